@@ -1,0 +1,1 @@
+from .pcc_addon import register, unregister  # noqa: F401

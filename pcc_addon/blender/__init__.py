@@ -1,0 +1,1 @@
+"""Everything that touches Blender's data: reading scenes, rendering, images, nodes."""

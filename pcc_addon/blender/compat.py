@@ -1,0 +1,47 @@
+"""What differs between the Blender versions that this add-on supports (4.5 to 5.2), and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+
+from ..core.probe import Engine
+
+EEVEE_ID = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT"
+
+# From 5.2 on EEVEE draws lamps that cameras may see; before, a capture needs stand-ins.
+EEVEE_DRAWS_LAMPS = bpy.app.version >= (5, 2)
+
+
+def engine_id(engine: Engine) -> str:
+    """The identifier of a render engine in this version."""
+    return EEVEE_ID if engine is Engine.EEVEE else "CYCLES"
+
+
+# In the order in which they must be set: each restricts the values of those behind it.
+_FORMAT = ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "color_management")
+_FLOAT_EXR = ("IMAGE", "OPEN_EXR", "RGB", "32", "ZIP", "FOLLOW_SCENE")
+
+
+def set_float_exr(settings: bpy.types.ImageFormatSettings) -> Callable[[], None]:
+    """Make `settings` write 32-bit RGB OpenEXR files; returns what brings the old format back."""
+    names = [p.identifier for p in settings.bl_rna.properties if p.type != "POINTER" and not p.is_readonly]
+    before = {
+        name: getattr(settings, name) for name in sorted(names, key=lambda n: _FORMAT.index(n) if n in _FORMAT else 99)
+    }
+
+    def restore() -> None:
+        for name, value in before.items():
+            if getattr(settings, name) != value:
+                setattr(settings, name, value)
+
+    for name, value in zip(_FORMAT, _FLOAT_EXR, strict=True):
+        if name in before:
+            setattr(settings, name, value)
+    return restore
+
+
+def uses_nodes(material: bpy.types.Material) -> bool:
+    """Whether a material is made of nodes (from 5.0 on every one is)."""
+    return material.node_tree is not None and (bpy.app.version >= (5, 0) or material.use_nodes)

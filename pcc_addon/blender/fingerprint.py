@@ -1,0 +1,165 @@
+"""What a bake depends on, as one hash: another hash means that the bake is stale."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..core.probe import ProbeSpec
+from . import groups
+from .scene import rendered_objects
+
+_OBJECT_FLAGS = ("visible_glossy", "visible_diffuse", "visible_transmission", "visible_shadow", "is_shadow_catcher")
+_CYCLES = (
+    "max_bounces",
+    "diffuse_bounces",
+    "glossy_bounces",
+    "transmission_bounces",
+    "volume_bounces",
+    "transparent_max_bounces",
+    "sample_clamp_direct",
+    "sample_clamp_indirect",
+    "caustics_reflective",
+    "caustics_refractive",
+    "blur_glossy",
+    "use_fast_gi",
+)
+_NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
+_ID_BOOKKEEPING = {p.identifier for p in bpy.types.ID.bl_rna.properties}
+_NODE_BOOKKEEPING = {p.identifier for p in bpy.types.Node.bl_rna.properties} - {"mute"}
+_MODIFIER_BOOKKEEPING = {"is_active", "show_expanded", "show_in_editmode", "show_on_cage", "execution_time"}
+
+
+class SceneFingerprint:
+    """The part of the hash that all probes of a scene share; read once for a bake of many."""
+
+    def __init__(self, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
+        self._objects = {
+            item.name_full: _object(item)
+            for item in rendered_objects(scene, view_layer)
+            if not item.hide_render and (item.type not in _NOT_SEEN or item.instance_type != "NONE")
+        }
+        lines = [f"cycles.{name} {getattr(scene.cycles, name)}" for name in _CYCLES]
+        if scene.world:
+            lines.append(f"world {scene.world.color[:]}")
+            lines += _node_tree(scene.world.node_tree, set())
+        self._setting = "\n".join(lines)
+
+    def content_hash(self, probe: ProbeSpec) -> str:
+        """A hexadecimal SHA-256 of all that the probe's pictures depend on."""
+        digest = hashlib.sha256(self._setting.encode())
+        settings = (
+            tuple(np.float32(probe.capture_point).tolist()),
+            probe.resolution,
+            probe.samples,
+            probe.engine.value,
+            probe.denoise,
+            probe.clip_start,
+            probe.clip_end,
+        )
+        digest.update(repr(settings).encode())
+        for name in sorted(self._objects):
+            if name not in probe.hidden:
+                digest.update(self._objects[name])
+        return digest.hexdigest()
+
+
+def _object(item: bpy.types.Object) -> bytes:
+    digest = hashlib.sha256(f"{item.name_full} {item.type} {[getattr(item, f) for f in _OBJECT_FLAGS]}".encode())
+    digest.update(np.array(item.matrix_world, np.float32).tobytes())
+    for modifier in item.modifiers:
+        digest.update("\n".join(_properties(modifier, _MODIFIER_BOOKKEEPING)).encode())
+    data = item.data
+    if isinstance(data, bpy.types.Mesh):
+        _mesh(data, digest)
+    elif data is not None:
+        digest.update("\n".join(_properties(data, _ID_BOOKKEEPING)).encode())
+        digest.update("\n".join(_node_tree(getattr(data, "node_tree", None), set())).encode())
+    for slot in item.material_slots:
+        if slot.material:
+            digest.update(slot.material.name_full.encode())
+            digest.update("\n".join(_node_tree(slot.material.node_tree, set())).encode())
+    return digest.digest()
+
+
+_ATTRIBUTE_FIELDS = {
+    "FLOAT": ("value", np.float32, 1),
+    "INT": ("value", np.int32, 1),
+    "BOOLEAN": ("value", np.bool_, 1),
+    "FLOAT_VECTOR": ("vector", np.float32, 3),
+    "FLOAT2": ("vector", np.float32, 2),
+    "FLOAT_COLOR": ("color", np.float32, 4),
+    "BYTE_COLOR": ("color", np.float32, 4),
+    "INT32_2D": ("value", np.int32, 2),
+}
+_SELECTION = (
+    ".select_vert",
+    ".select_edge",
+    ".select_poly",
+    ".hide_vert",
+    ".hide_edge",
+    ".hide_poly",
+    ".vs.",
+    ".es.",
+    ".pn.",
+)
+
+
+def _mesh(mesh: bpy.types.Mesh, digest: Any) -> None:
+    for attribute in mesh.attributes:
+        if attribute.data_type in _ATTRIBUTE_FIELDS and not attribute.name.startswith(_SELECTION):
+            field, dtype, width = _ATTRIBUTE_FIELDS[attribute.data_type]
+            values = np.empty(len(attribute.data) * width, dtype)
+            attribute.data.foreach_get(field, values)
+            digest.update(f"{attribute.name} {attribute.domain}".encode() + values.tobytes())
+    starts = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    digest.update(starts.tobytes())
+
+
+def _node_tree(tree: bpy.types.NodeTree | None, seen: set[str]) -> list[str]:
+    """Lines that change when a shader changes; our own nodes and the choice of the active output are left out."""
+    if tree is None or tree.name_full in seen:
+        return []
+    seen.add(tree.name_full)
+    lines = []
+    for node in tree.nodes:
+        if groups.role(node):
+            continue
+        lines.append(f"node {node.name} {node.bl_idname}")
+        lines += _properties(node, (_NODE_BOOKKEEPING | {"is_active_output"}) - {"mute"})
+        for socket in node.inputs:
+            value = getattr(socket, "default_value", None)
+            lines.append(f"  {socket.identifier} {_plain(value)}")
+        lines += _node_tree(getattr(node, "node_tree", None), seen)
+    lines += [
+        f"link {link.from_node.name}.{link.from_socket.identifier} {link.to_node.name}.{link.to_socket.identifier}"
+        for link in tree.links
+        if not groups.role(link.from_node) and not groups.role(link.to_node)
+    ]
+    return lines
+
+
+def _properties(struct: Any, without: Iterable[str]) -> list[str]:
+    skipped = set(without) | {"rna_type"}
+    return [
+        f"  {p.identifier} {_plain(getattr(struct, p.identifier))}"
+        for p in struct.bl_rna.properties
+        if p.identifier not in skipped and p.type != "COLLECTION"
+    ]
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, bpy.types.ID):
+        return value.name_full
+    if isinstance(value, bpy.types.bpy_struct):
+        return type(value).__name__
+    if hasattr(value, "__len__") and not isinstance(value, (str, set)):
+        return repr([round(v, 7) if isinstance(v, float) else str(v) for v in value])
+    if isinstance(value, set):
+        return repr(sorted(value))
+    return repr(value)

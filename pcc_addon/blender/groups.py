@@ -1,0 +1,190 @@
+"""The node groups that shaders use: one per set of effects, one per probe. Versioned, rebuilt in place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+
+from ..core.effects import LookupEffects, Outside, SurfaceEffects
+from ..core.expression import Expr
+from ..core.formula import lookup
+from ..core.probe import ProbeSpec
+from ..core.reflectance import surface
+from . import node_builder
+
+VERSION = 1
+_TAG = "pcc"  # custom property of every group and node that is ours
+
+# Entries of the probe's object-to-world matrix, by the names that the driver expressions give them: a b c is the
+# first row of the 3×3 part, u v w the translation. Animation paths name the column first.
+_ENTRIES = {name: f"matrix_world[{k % 3}][{k // 3}]" for k, name in enumerate("abcdefghi")}
+_ENTRIES |= {name: f"matrix_world[3][{k}]" for k, name in enumerate("uvw")}
+_DETERMINANT = "(a*(e*i-f*h)-b*(d*i-f*g)+c*(d*h-e*g))"
+_COFACTORS = (
+    ("e*i-f*h", "c*h-b*i", "b*f-c*e"),
+    ("f*g-d*i", "a*i-c*g", "c*d-a*f"),
+    ("d*h-e*g", "b*g-a*h", "a*e-b*d"),
+)
+_DRIVEN = {
+    "Box Centre": ("u", "v", "w"),
+    "Half Extents": ("sqrt(a*a+d*d+g*g)", "sqrt(b*b+e*e+h*h)", "sqrt(c*c+f*f+i*i)"),
+    **{
+        f"Box Row {axis}": tuple(f"({n})/{_DETERMINANT} if {_DETERMINANT} else 0" for n in row)
+        for axis, row in zip("XYZ", _COFACTORS, strict=True)
+    },
+}
+
+
+# Blender 5.x turns driven values between 0 and 1e-4 into 0, so the drivers give multiples that a node divides again;
+# powers of two change no digit.
+_DRIVER_SCALE = 2.0**60
+
+
+def tag(item: bpy.types.ID | bpy.types.Node, role: str) -> None:
+    """Mark a group or node as made by the add-on."""
+    item[_TAG] = role
+
+
+def role(item: bpy.types.ID | bpy.types.Node) -> str | None:
+    """The role that `tag` gave, or None for the user's own."""
+    return item.get(_TAG)
+
+
+def lookup_group(effects: LookupEffects) -> bpy.types.ShaderNodeTree:
+    """The group that finds the lookup direction; shared by all probes with these effects."""
+    return _formula_group(f"lookup {VERSION}: {effects.label}", f"PCC Lookup, {effects.label}", lookup(effects))
+
+
+def surface_group(effects: SurfaceEffects) -> bpy.types.ShaderNodeTree:
+    """The group that lights a surface by a radiance; shared by all surfaces with these effects."""
+    return _formula_group(f"surface {VERSION}: {effects.label}", f"PCC Surface, {effects.label}", surface(effects))
+
+
+def _formula_group(key: str, name: str, outputs: Mapping[str, Expr]) -> bpy.types.ShaderNodeTree:
+    for tree in bpy.data.node_groups:
+        if role(tree) == key and not tree.library:
+            return tree
+    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    tag(tree, key)
+    node_builder.emit(tree, outputs)
+    return tree
+
+
+def drop_unused_groups() -> None:
+    """Remove formula groups that nothing uses; probe groups stay with their probes."""
+    for tree in list(bpy.data.node_groups):
+        if str(role(tree)).startswith(("lookup", "surface")) and tree.users == 0:
+            bpy.data.node_groups.remove(tree)
+
+
+def level_output(roughness: float) -> str:
+    """The name of a probe group's output for one level."""
+    return f"Radiance {roughness:.4f}"
+
+
+def build_probe_group(
+    probe: bpy.types.Object, spec: ProbeSpec, capture_point: tuple[float, float, float]
+) -> bpy.types.ShaderNodeTree:
+    """Build or rebuild a probe's group: box, capture point and pictures in, one radiance per level out.
+
+    The box follows the probe object through drivers without Python; the capture point stays where the pictures
+    were taken. Materials that use the group keep using it.
+    """
+    tree = probe.pcc_probe.group
+    if tree is None or tree.library or _owner(tree) not in (None, probe):
+        tree = bpy.data.node_groups.new(f"PCC Probe {probe.name}", "ShaderNodeTree")
+        tag(tree, "probe")
+        probe.pcc_probe.group = tree
+    tree.nodes.clear()
+    tree.animation_data_clear()
+    wanted = [level_output(level.roughness) for level in probe.pcc_probe.levels]
+    _keep_sockets(tree, wanted)
+
+    nodes, links = tree.nodes, tree.links
+    source, sink = nodes.new("NodeGroupInput"), nodes.new("NodeGroupOutput")
+    geometry, find = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeGroup")
+    find.node_tree = lookup_group(spec.effects)
+    find.label = "Lookup"
+    given = {
+        "Position": geometry.outputs["Position"],
+        "Incoming": geometry.outputs["Incoming"],
+        "Normal": source.outputs["Normal"],
+    }
+    constants = {
+        "Capture Point": capture_point,
+        "Padding": spec.influence_padding,
+        "Falloff": spec.falloff,
+    }
+    for k, socket in enumerate(find.inputs):
+        if socket.name in given:
+            links.new(given[socket.name], socket)
+        elif socket.name in constants:
+            socket.default_value = constants[socket.name]
+        else:
+            links.new(_driven_vector(tree, probe, socket.name, -180.0 * k), socket)
+    for k, level in enumerate(probe.pcc_probe.levels):
+        picture = nodes.new("ShaderNodeTexEnvironment")
+        picture.image = level.image
+        picture.label = f"roughness {level.roughness:.4f}"
+        picture.location = (300, -280 * k)
+        links.new(find.outputs["Direction"], picture.inputs["Vector"])
+        radiance = picture.outputs["Color"]
+        if spec.corrected and spec.outside is Outside.BLACK:
+            fade = nodes.new("ShaderNodeVectorMath")
+            fade.operation = "SCALE"
+            fade.location = (560, -280 * k)
+            links.new(radiance, fade.inputs["Vector"])
+            links.new(find.outputs["Weight"], fade.inputs["Scale"])
+            radiance = fade.outputs["Vector"]
+        links.new(radiance, sink.inputs[level_output(level.roughness)])
+    source.location, geometry.location, sink.location = (-850, 0), (-850, -200), (800, 0)
+    return tree
+
+
+def _owner(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
+    return next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
+
+
+def _keep_sockets(tree: bpy.types.ShaderNodeTree, outputs: list[str]) -> None:
+    """Give the group these outputs, keeping the sockets that materials are linked to."""
+    interface = tree.interface
+    have = {item.name: item for item in interface.items_tree if item.in_out == "OUTPUT"}
+    for name, item in have.items():
+        if name not in outputs:
+            interface.remove(item)
+    for name in outputs:
+        if name not in have:
+            interface.new_socket(name, in_out="OUTPUT", socket_type="NodeSocketColor")
+    if not any(item.in_out == "INPUT" for item in interface.items_tree):
+        interface.new_socket("Normal", in_out="INPUT", socket_type="NodeSocketVector")
+
+
+def _driven_vector(
+    tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, name: str, y: float
+) -> bpy.types.NodeSocket:
+    """A vector that follows the probe's transform."""
+    node, unscale = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("ShaderNodeVectorMath")
+    node.name = node.label = name
+    node.location, unscale.location = (-600, y), (-400, y)
+    for axis, expression in enumerate(_DRIVEN[name]):
+        driver = node.inputs[axis].driver_add("default_value").driver
+        driver.type = "SCRIPTED"
+        for letter, path in _ENTRIES.items():
+            if letter in _letters(expression):
+                variable = driver.variables.new()
+                variable.name = letter
+                variable.targets[0].id = probe
+                variable.targets[0].data_path = path
+        driver.expression = f"({expression})*{_DRIVER_SCALE:.0f}"
+    unscale.operation = "SCALE"
+    unscale.inputs["Scale"].default_value = 1.0 / _DRIVER_SCALE
+    tree.links.new(node.outputs[0], unscale.inputs["Vector"])
+    return unscale.outputs["Vector"]
+
+
+def _letters(expression: str) -> set[str]:
+    """The one-letter names in a driver expression."""
+    for word in ("sqrt", "if", "else"):
+        expression = expression.replace(word, " ")
+    return {character for character in expression if character.isalpha()}

@@ -1,0 +1,159 @@
+"""A probe's pictures: storing a bake, making further levels from it, keeping the probe's group in step."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core import sidecar
+from ..core.errors import BakeError
+from ..core.prefilter import prefilter
+from . import groups, pictures
+from .probes import bake_record, probe_spec
+
+
+def bake_folder(scene: bpy.types.Scene, blend: str | None = None) -> Path | None:
+    """Where a scene's pictures go: the chosen folder, or one beside the .blend; None: packed into the unsaved file."""
+    blend = blend or bpy.data.filepath
+    chosen = scene.pcc.folder
+    if chosen and (blend or not chosen.startswith("//")):
+        start = str(Path(blend).parent) if blend else None
+        return Path(bpy.path.abspath(chosen, start=start)).resolve()
+    if not blend:
+        return None
+    return Path(blend).resolve().with_suffix(".pcc")
+
+
+def store(
+    probe: bpy.types.Object, record: sidecar.Sidecar, levels: dict[float, np.ndarray], folder: Path | None
+) -> None:
+    """Write a probe's pictures and sidecar aside, move them into place, and show them.
+
+    Args:
+        probe: the probe object; its `uid` is set.
+        record: of the bake; its levels are filled in here.
+        levels: pictures (h, 2h, 3) by roughness, with 0 for the capture itself.
+        folder: where to; None packs the pictures into the .blend.
+
+    Raises:
+        BakeError: the folder or a file cannot be written; what was there before is untouched.
+    """
+    stem = sidecar.file_stem(probe.name, record.uid)
+    described = tuple(
+        sidecar.Level(r, sidecar.level_file(stem, r), levels[r].shape[1], levels[r].shape[0]) for r in sorted(levels)
+    )
+    record = replace(record, levels=described)
+    with ExitStack() as stack:
+        parts = _folder_for_parts(stack, folder)
+        for level in described:
+            pictures.write_file(parts / level.file, levels[level.roughness])
+        if folder is None:
+            images = {level.roughness: _packed(parts / level.file, probe, level) for level in described}
+        else:
+            name = f"{stem}.json"
+            try:
+                (parts / name).write_text(record.to_json(), encoding="utf-8")
+                sidecar.move_into_place(parts, folder, [*(level.file for level in described), name])
+            except OSError as error:
+                raise BakeError(_cannot_write(probe, folder, error)) from error
+            images = {level.roughness: _linked(folder / level.file, probe, level) for level in described}
+    _show(probe, record, images)
+
+
+def ensure_levels(
+    probe: bpy.types.Object,
+    roughnesses: Iterable[float],
+    folder: Path | None,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Make the levels that are not there yet from the probe's capture, without rendering.
+
+    Raises:
+        BakeError: the probe was never baked, its capture cannot be read, or a level cannot be written.
+    """
+    record = bake_record(probe)
+    if record is None:
+        raise BakeError(f"probe '{probe.name}' has no bake; bake it first")
+    have = {round(level.roughness, 4): level.image for level in probe.pcc_probe.levels}
+    missing = sorted(set(roughnesses) - set(have))
+    if not missing:
+        return
+    pictures_now = {r: pictures.read_pixels(have[r]) for r in have if have[r]}
+    if 0.0 not in pictures_now:
+        raise BakeError(f"probe '{probe.name}': its capture is missing from the file; bake it again")
+    for roughness in missing:
+        pictures_now[roughness] = prefilter(pictures_now[0.0], roughness, progress)
+    store(probe, record, pictures_now, folder)
+
+
+def missing_files(probe: bpy.types.Object) -> list[str]:
+    """The paths of a probe's pictures that are neither packed nor on disk."""
+    images = [level.image for level in probe.pcc_probe.levels if level.image]
+    paths = [Path(bpy.path.abspath(image.filepath)) for image in images if not image.packed_file]
+    return [str(path) for path in paths if not path.is_file()]
+
+
+def refresh_group(probe: bpy.types.Object) -> None:
+    """Rebuild the group of a baked probe after its settings or the add-on's version changed."""
+    record = bake_record(probe)
+    if record is not None:
+        groups.build_probe_group(probe, probe_spec(probe), record.capture_point)
+
+
+def _folder_for_parts(stack: ExitStack, folder: Path | None) -> Path:
+    """A folder for unfinished files, on the same disk as the final one."""
+    try:
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+        return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder)))
+    except OSError as error:
+        raise BakeError(
+            f"cannot write into '{folder or tempfile.gettempdir()}' ({error.strerror}); make it writable or choose "
+            "another folder"
+        ) from error
+
+
+def _cannot_write(probe: bpy.types.Object, folder: Path, error: OSError) -> str:
+    return f"probe '{probe.name}': cannot write into '{folder}' ({error.strerror}); free space or choose another folder"
+
+
+def _existing(probe: bpy.types.Object, roughness: float) -> bpy.types.Image | None:
+    return next((level.image for level in probe.pcc_probe.levels if abs(level.roughness - roughness) < 5e-5), None)
+
+
+def _image_name(probe: bpy.types.Object, level: sidecar.Level) -> str:
+    return f"PCC {probe.name} {level.roughness:.4f}"
+
+
+def _linked(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
+    return pictures.load(path, _image_name(probe, level), _existing(probe, level.roughness))
+
+
+def _packed(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
+    image = pictures.load(path, _image_name(probe, level), None)
+    image.pack()
+    old = _existing(probe, level.roughness)
+    if old is not None:
+        old.user_remap(image)
+        bpy.data.images.remove(old)
+    return image
+
+
+def _show(probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image]) -> None:
+    settings = probe.pcc_probe
+    before = {level.image for level in settings.levels if level.image}
+    settings.levels.clear()
+    for roughness in sorted(images):
+        level = settings.levels.add()
+        level.roughness, level.image = roughness, images[roughness]
+    settings.bake_record = record.to_json()
+    groups.build_probe_group(probe, probe_spec(probe), record.capture_point)
+    for image in before - set(images.values()):
+        if image.users == 0:
+            bpy.data.images.remove(image)

@@ -1,0 +1,97 @@
+"""Pictures on disk and in Blender: linear float EXR, numbers untouched by colour management."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core.errors import BakeError
+from . import compat
+from .overrides import temporary
+
+
+def read_pixels(image: bpy.types.Image) -> np.ndarray:
+    """(height, width, 3) float32, row 0 at the bottom.
+
+    Raises:
+        BakeError: the image has no pixels, as where its file is missing.
+    """
+    width, height = image.size
+    pixels = np.empty(width * height * 4, np.float32)
+    if len(image.pixels) != len(pixels) or not len(pixels):
+        raise BakeError(f"picture '{image.name}' ({image.filepath}) cannot be read; bake its probe again")
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(height, width, 4)[..., :3]
+
+
+def read_file(path: Path) -> np.ndarray:
+    """The pixels of an EXR file, as `read_pixels` gives them."""
+    with ExitStack() as stack:
+        image = temporary(stack, bpy.data.images, bpy.data.images.load(str(path)))
+        image.colorspace_settings.name = "Non-Color"
+        return read_pixels(image)
+
+
+def write_file(path: Path, picture: np.ndarray) -> None:
+    """Write (height, width, 3) as a 32-bit float EXR, losslessly compressed.
+
+    Raises:
+        BakeError: the file cannot be written.
+    """
+    height, width = picture.shape[:2]
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = picture
+    with ExitStack() as stack:
+        image = temporary(
+            stack, bpy.data.images, bpy.data.images.new("pcc", width, height, float_buffer=True, is_data=True)
+        )
+        image.pixels.foreach_set(pixels.ravel())
+        scene = temporary(stack, bpy.data.scenes, bpy.data.scenes.new("pcc"))
+        compat.set_float_exr(scene.render.image_settings)
+        try:
+            image.save_render(str(path), scene=scene)
+        except RuntimeError as error:
+            raise BakeError(_cannot_write(path, error)) from error
+    if not _is_whole(path, width, height):
+        path.unlink(missing_ok=True)
+        raise BakeError(_cannot_write(path, "the file came out incomplete"))
+
+
+def _cannot_write(path: Path, why: object) -> str:
+    return f"cannot write '{path}' ({str(why).strip()}); free space on the disk or choose another folder"
+
+
+def _is_whole(path: Path, width: int, height: int) -> bool:
+    """Whether an EXR file can be read back; a full disk may leave a torn one without an error."""
+    if not path.is_file() or not path.stat().st_size:
+        return False
+    with ExitStack() as stack:
+        image = temporary(stack, bpy.data.images, bpy.data.images.load(str(path)))
+        return tuple(image.size) == (width, height) and len(image.pixels) == width * height * 4
+
+
+def load(path: Path, name: str, existing: bpy.types.Image | None) -> bpy.types.Image:
+    """The picture as a data block for shaders, in place of `existing` where there is one."""
+    image = existing or bpy.data.images.load(str(path))
+    if image.packed_file:
+        image.unpack(method="REMOVE")
+    image.name = name
+    image.source = "FILE"
+    image.filepath = blend_path(path)
+    image.colorspace_settings.name = "Non-Color"
+    image.alpha_mode = "NONE"
+    image.reload()
+    return image
+
+
+def blend_path(path: Path) -> str:
+    """`path` relative to the .blend where that is saved."""
+    if not bpy.data.filepath:
+        return str(path)
+    try:
+        return bpy.path.relpath(str(path))
+    except ValueError:  # another drive
+        return str(path)

@@ -1,0 +1,121 @@
+"""Probe objects: making them, finding them, reading them into records."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from mathutils import Euler, Vector
+
+from ..core.effects import Outside
+from ..core.errors import PccError, ProbeError
+from ..core.probe import Box, Engine, ProbeSpec
+from ..core.sidecar import Sidecar
+
+
+def add_probe(
+    scene: bpy.types.Scene,
+    collection: bpy.types.Collection,
+    name: str,
+    location: Sequence[float],
+    rotation: Sequence[float],
+    half_extents: Sequence[float],
+    capture_offset: Sequence[float],
+) -> bpy.types.Object:
+    """A new probe in `collection`; rotation in radians (XYZ), lengths in metres.
+
+    Raises:
+        ProbeError: a number is not finite, or a half extent is 0.
+    """
+    numbers = [*location, *rotation, *half_extents, *capture_offset]
+    if not np.isfinite(numbers).all():
+        raise ProbeError(f"probe '{name}': location, rotation, half extents and capture offset must be finite numbers")
+    if 0.0 in half_extents:
+        raise ProbeError(f"probe '{name}': half extents of 0 make a box without volume; give lengths above 0 m")
+    probe = bpy.data.objects.new(name, None)
+    probe.empty_display_type = "CUBE"
+    probe.empty_display_size = 1.0
+    probe.location = Vector(location)
+    probe.rotation_euler = Euler(rotation, "XYZ")
+    probe.scale = Vector(half_extents)
+    probe.pcc_probe.is_probe = True
+    probe.pcc_probe.capture_offset = capture_offset
+    collection.objects.link(probe)
+    return probe
+
+
+def all_probes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """The scene's probes, by name."""
+    return sorted((o for o in scene.objects if o.pcc_probe.is_probe), key=lambda o: o.name)
+
+
+def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object]:
+    """The probes with these names.
+
+    Raises:
+        PccError: a name is not that of a probe in the scene.
+    """
+    known = {probe.name: probe for probe in all_probes(scene)}
+    for name in names:
+        if name not in known:
+            listing = ", ".join(f"'{k}'" for k in known) or "none"
+            raise PccError(f"no probe is called '{name}' in scene '{scene.name}'; its probes: {listing}")
+    return [known[name] for name in names]
+
+
+def hidden_objects(probe: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects that a probe's capture leaves out, by name."""
+    settings = probe.pcc_probe
+    found = {item.object.name: item.object for item in settings.hidden_objects if item.object}
+    if settings.hidden_collection:
+        found.update({o.name: o for o in settings.hidden_collection.all_objects})
+    return [found[name] for name in sorted(found)]
+
+
+def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
+    """The record of a probe, from its evaluated transform and its settings.
+
+    Raises:
+        ProbeError: its transform or settings cannot be baked.
+    """
+    settings = probe.pcc_probe
+    return ProbeSpec(
+        name=probe.name,
+        box=Box.from_matrix(probe.name, np.array(probe.matrix_world, np.float64)),
+        capture_offset=tuple(settings.capture_offset),
+        resolution=settings.resolution,
+        samples=settings.samples,
+        engine=Engine(settings.engine),
+        denoise=settings.denoise,
+        clip_start=settings.clip_start,
+        clip_end=settings.clip_end,
+        padding=settings.padding,
+        falloff=settings.falloff,
+        outside=Outside(settings.outside),
+        corrected=settings.correction == "BOX",
+        hidden=tuple(o.name for o in hidden_objects(probe)),
+    )
+
+
+def bake_record(probe: bpy.types.Object) -> Sidecar | None:
+    """What the probe's pictures show, or None before its first bake.
+
+    Raises:
+        BakeError: the record is damaged or of a later version.
+    """
+    text = probe.pcc_probe.bake_record
+    return Sidecar.from_json(text, f"bake record of '{probe.name}'") if text else None
+
+
+def ensure_uid(probe: bpy.types.Object) -> str:
+    """The probe's lasting identity; a copy of a probe gets its own, the original keeps its."""
+    settings = probe.pcc_probe
+    others = {o.pcc_probe.uid: o for o in bpy.data.objects if o.pcc_probe.is_probe and o != probe}
+    twin = others.get(settings.uid)
+    record = bake_record(probe)
+    is_copy = twin is not None and (record is None or record.probe != probe.name)
+    if not settings.uid or is_copy:
+        settings.uid = uuid.uuid4().hex
+    return settings.uid

@@ -1,0 +1,129 @@
+"""`Object.pcc_probe`: the settings of a probe and the record of its last bake."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..core.effects import Outside
+from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Engine
+
+
+class PCC_HiddenObject(bpy.types.PropertyGroup):
+    """One object that a capture leaves out."""
+
+    object: bpy.props.PointerProperty(type=bpy.types.Object, name="Object", description="Left out of the capture")
+
+
+class PCC_BakedLevel(bpy.types.PropertyGroup):
+    """One picture of the last bake."""
+
+    roughness: bpy.props.FloatProperty(name="Roughness", min=0.0, max=1.0)
+    image: bpy.props.PointerProperty(type=bpy.types.Image, name="Picture")
+
+
+class PCC_Probe(bpy.types.PropertyGroup):
+    """A parallax probe. The object's own transform is the box: local [−1, 1]³."""
+
+    is_probe: bpy.props.BoolProperty(name="Parallax Probe", description="This empty is a parallax probe")
+    resolution: bpy.props.IntProperty(
+        name="Resolution",
+        description="Width of one 90° face in pixels; twice as much halves the error and takes four times as long",
+        default=512,
+        min=MINIMUM_RESOLUTION,
+        max=MAXIMUM_RESOLUTION,
+        subtype="PIXEL",
+    )
+    samples: bpy.props.IntProperty(
+        name="Samples", description="Render samples for each pixel of a face", default=64, min=1, soft_max=4096
+    )
+    engine: bpy.props.EnumProperty(
+        name="Engine",
+        description="Which renderer takes the pictures; both engines can show them",
+        items=[
+            (Engine.CYCLES.value, "Cycles", "Path-traced lighting"),
+            (Engine.EEVEE.value, "EEVEE", "EEVEE's lighting"),
+        ],
+    )
+    denoise: bpy.props.BoolProperty(name="Denoise", description="Denoise the faces of a Cycles bake", default=True)
+    capture_offset: bpy.props.FloatVectorProperty(
+        name="Capture Offset",
+        description="Where the pictures are taken, from the box's centre along the box's own axes",
+        size=3,
+        subtype="XYZ",
+        unit="LENGTH",
+    )
+    clip_start: bpy.props.FloatProperty(
+        name="Clip Start", description="Nearest distance that is captured", default=0.01, min=1e-6, unit="LENGTH"
+    )
+    clip_end: bpy.props.FloatProperty(
+        name="Clip End", description="Farthest distance that is captured", default=1000.0, min=1e-5, unit="LENGTH"
+    )
+    padding: bpy.props.FloatProperty(
+        name="Padding",
+        description="How far outside the box a surface still shows the corrected reflection",
+        default=0.01,
+        min=0.0,
+        soft_max=1.0,
+        unit="LENGTH",
+    )
+    falloff: bpy.props.FloatProperty(
+        name="Falloff",
+        description="Over which distance beyond the padding the corrected reflection fades out",
+        default=0.25,
+        min=0.0,
+        soft_max=10.0,
+        unit="LENGTH",
+    )
+    outside: bpy.props.EnumProperty(
+        name="Outside",
+        description="What a surface outside the box shows",
+        items=[
+            (Outside.UNCORRECTED.value, "Uncorrected", "Fade to the reflection without parallax correction"),
+            (Outside.BLACK.value, "Black", "Fade to no reflection"),
+        ],
+    )
+    correction: bpy.props.EnumProperty(
+        name="Correction",
+        description="How a reflection finds its place in the picture",
+        items=[
+            ("BOX", "Box", "Parallax-corrected by the probe's box"),
+            ("NONE", "None", "The classic lookup, right only for things far away"),
+        ],
+    )
+    hidden_objects: bpy.props.CollectionProperty(type=PCC_HiddenObject)
+    hidden_collection: bpy.props.PointerProperty(
+        type=bpy.types.Collection,
+        name="Hidden Collection",
+        description="Its objects are left out of the capture, such as the mirror ball that stands at the capture point",
+    )
+    uid: bpy.props.StringProperty(options={"HIDDEN"})
+    group: bpy.props.PointerProperty(type=bpy.types.NodeTree)
+    levels: bpy.props.CollectionProperty(type=PCC_BakedLevel)
+    bake_record: bpy.props.StringProperty(options={"HIDDEN"}, description="The sidecar of the last bake")
+
+
+class PCC_Scene(bpy.types.PropertyGroup):
+    """Where a scene's bakes go."""
+
+    folder: bpy.props.StringProperty(
+        name="Folder",
+        description="Where the pictures are written; empty: a folder beside the .blend, named after it",
+        subtype="DIR_PATH",
+    )
+
+
+CLASSES = (PCC_HiddenObject, PCC_BakedLevel, PCC_Probe, PCC_Scene)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.pcc_probe = bpy.props.PointerProperty(type=PCC_Probe)
+    bpy.types.Scene.pcc = bpy.props.PointerProperty(type=PCC_Scene)
+
+
+def unregister() -> None:
+    del bpy.types.Scene.pcc
+    del bpy.types.Object.pcc_probe
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

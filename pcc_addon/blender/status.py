@@ -1,0 +1,59 @@
+"""How a scene's probes stand: baked or not, stale or not, files there or not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+
+from ..core.errors import PccError
+from .fingerprint import SceneFingerprint
+from .levels import missing_files
+from .probes import all_probes, bake_record, probe_spec
+
+
+@dataclass(frozen=True)
+class ProbeStatus:
+    """One probe's state.
+
+    Attributes:
+        probe: its name.
+        state: 'baked', 'stale', 'unbaked' or 'error'.
+        why: what makes it so, in words; empty where it is baked.
+    """
+
+    probe: str
+    state: str
+    why: str = ""
+
+
+def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[ProbeStatus]:
+    """The state of every probe of a scene, by name."""
+    view_layer.update()
+    fingerprint = SceneFingerprint(scene, view_layer)
+    return [_status(probe, fingerprint) for probe in all_probes(scene)]
+
+
+def _status(probe: bpy.types.Object, fingerprint: SceneFingerprint) -> ProbeStatus:
+    try:
+        spec = probe_spec(probe)
+        record = bake_record(probe)
+    except PccError as error:
+        return ProbeStatus(probe.name, "error", str(error))
+    if record is None:
+        return ProbeStatus(probe.name, "unbaked", "it has no bake")
+    missing = missing_files(probe)
+    if missing:
+        return ProbeStatus(probe.name, "stale", f"its picture '{missing[0]}' is missing; bake it again")
+    if record.content_hash != fingerprint.content_hash(spec):
+        return ProbeStatus(probe.name, "stale", "the scene or the probe changed since its bake")
+    return ProbeStatus(probe.name, "baked")
+
+
+def stale_probes(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, among: Sequence[bpy.types.Object]
+) -> list[bpy.types.Object]:
+    """Those of `among` that a bake would change: not baked, stale, or faulty (so that the fault is reported)."""
+    fresh = {status.probe for status in statuses(scene, view_layer) if status.state == "baked"}
+    return [probe for probe in among if probe.name not in fresh]

@@ -1,0 +1,117 @@
+"""The six faces of a capture: where each looks, and how a direction finds its colour in them.
+
+Convention (written into every sidecar): faces look along the world axes; rows run from the bottom up, as in
+Blender's images; a texel of face f at (a, b) ∈ [−1, 1]² lies in the direction forward + a·right + b·up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Face:
+    """One 90° picture; world-space unit axes."""
+
+    name: str
+    forward: tuple[int, int, int]
+    right: tuple[int, int, int]
+    up: tuple[int, int, int]
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """(3, 3) camera-to-world matrix: columns right, up, −forward, as a Blender camera has its axes."""
+        return np.array([self.right, self.up, [-c for c in self.forward]], np.float64).T
+
+
+FACES: tuple[Face, ...] = (
+    Face("+X", (1, 0, 0), (0, -1, 0), (0, 0, 1)),
+    Face("-X", (-1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    Face("+Y", (0, 1, 0), (1, 0, 0), (0, 0, 1)),
+    Face("-Y", (0, -1, 0), (-1, 0, 0), (0, 0, 1)),
+    Face("+Z", (0, 0, 1), (1, 0, 0), (0, -1, 0)),
+    Face("-Z", (0, 0, -1), (1, 0, 0), (0, 1, 0)),
+)
+
+
+def face_directions(face: Face, resolution: int, overscan: int = 0) -> np.ndarray:
+    """World-space directions through the texel centres of a face, not normalised.
+
+    Args:
+        resolution: texels across the 90° face.
+        overscan: further texels on each side.
+
+    Returns:
+        (resolution + 2·overscan, same, 3) float64, row 0 at the bottom.
+    """
+    axis = (np.arange(-overscan, resolution + overscan) + 0.5) * (2.0 / resolution) - 1.0
+    right, up, forward = (np.array(v, np.float64) for v in (face.right, face.up, face.forward))
+    return forward + axis[None, :, None] * right + axis[:, None, None] * up
+
+
+def sample_faces(faces: Sequence[np.ndarray], overscan: int, directions: np.ndarray) -> np.ndarray:
+    """Bicubic (Catmull-Rom) lookup of directions in six faces; a value never leaves the range of its 4 neighbours.
+
+    Args:
+        faces: six arrays (n, n, channels) in the order of `FACES`, n = resolution + 2·overscan, row 0 at the bottom.
+        overscan: texels that each face holds beyond its 90°, at least 2: lookups at an edge read real pixels.
+        directions: (..., 3), world space, not zero.
+
+    Returns:
+        (..., channels) float32.
+
+    Raises:
+        ValueError: the overscan is below 2 texels.
+    """
+    if overscan < 2:
+        raise ValueError(f"bicubic lookup needs an overscan of at least 2 texels, not {overscan}")
+    size = faces[0].shape[0]
+    resolution = size - 2 * overscan
+    flat = np.asarray(directions, np.float64).reshape(-1, 3)
+    magnitude = np.abs(flat)
+    axis = magnitude.argmax(-1)
+    index = 2 * axis + (np.take_along_axis(flat, axis[:, None], -1)[:, 0] < 0)
+    result = np.empty((len(flat), faces[0].shape[2]), np.float32)
+    for k, face in enumerate(FACES):
+        chosen = np.flatnonzero(index == k)
+        if not len(chosen):
+            continue
+        d = flat[chosen]
+        depth = d @ np.array(face.forward, np.float64)
+        a = (d @ np.array(face.right, np.float64)) / depth
+        b = (d @ np.array(face.up, np.float64)) / depth
+        column = (a + 1.0) * (0.5 * resolution) - 0.5 + overscan
+        row = (b + 1.0) * (0.5 * resolution) - 0.5 + overscan
+        result[chosen] = _bicubic(faces[k], row, column)
+    return result.reshape(*np.shape(directions)[:-1], -1)
+
+
+def _bicubic(image: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    r0, c0 = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)
+    row_weights = _catmull_rom((row - r0).astype(np.float32))
+    column_weights = _catmull_rom((column - c0).astype(np.float32))
+    total = np.zeros((len(row), image.shape[2]), np.float32)
+    low = np.full_like(total, np.inf)
+    high = np.full_like(total, -np.inf)
+    for i in range(4):
+        line = np.zeros_like(total)
+        for j in range(4):
+            texel = image[r0 + i - 1, c0 + j - 1]
+            line += texel * column_weights[j][:, None]
+            if i in (1, 2) and j in (1, 2):
+                np.minimum(low, texel, out=low)
+                np.maximum(high, texel, out=high)
+        total += line * row_weights[i][:, None]
+    return np.clip(total, low, high)
+
+
+def _catmull_rom(t: np.ndarray) -> tuple[np.ndarray, ...]:
+    return (
+        0.5 * t * (t * (2.0 - t) - 1.0),
+        0.5 * (t * t * (3.0 * t - 5.0) + 2.0),
+        0.5 * t * (t * (4.0 - 3.0 * t) + 1.0),
+        0.5 * t * t * (t - 1.0),
+    )

@@ -1,0 +1,81 @@
+"""What a reflection shader is asked to do. Groups are built from these records and from nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Correction(str, Enum):
+    """How the lookup direction is found."""
+
+    NONE = "NONE"  # the reflection vector itself: the classic cubemap (S1)
+    ALIGNED_BOX = "ALIGNED_BOX"  # box faces along the world axes (S7)
+    ORIENTED_BOX = "ORIENTED_BOX"  # any box: rotated, mirrored, sheared (S2, S12)
+
+
+class Outside(str, Enum):
+    """What a surface outside the influence volume shows."""
+
+    UNCORRECTED = "UNCORRECTED"  # fades to the classic lookup
+    BLACK = "BLACK"  # fades to black (S3)
+
+
+@dataclass(frozen=True)
+class LookupEffects:
+    """The effects of one direction lookup; equal records share one node group."""
+
+    correction: Correction = Correction.ORIENTED_BOX
+    outside: Outside = Outside.UNCORRECTED
+
+    @property
+    def label(self) -> str:
+        """A short name, unique for the record, for the node group's title."""
+        words = [self.correction.value.lower().replace("_", " ")]
+        if self.correction is not Correction.NONE:
+            words.append(f"outside {self.outside.value.lower()}")
+        return ", ".join(words)
+
+
+@dataclass(frozen=True)
+class DielectricLobe:
+    """The specular layer over a Principled BSDF's diffuse base.
+
+    Attributes:
+        ior: index of refraction of the material; gives the reflectance at normal incidence.
+        eta: the index whose Fresnel curve the lobe follows, after the specular level.
+    """
+
+    ior: float
+    eta: float
+
+
+@dataclass(frozen=True)
+class SurfaceEffects:
+    """The effects of one Principled surface's specular lobe; equal records share one node group.
+
+    Attributes:
+        roughness: the lobe's constant roughness, 0 … 1 (alpha = roughness²).
+        dielectric: the dielectric lobe, or None where the surface is a pure metal.
+        metal: whether a metallic lobe is called for.
+        multiscatter: whether the lobe keeps the energy of multiple scattering.
+    """
+
+    roughness: float
+    dielectric: DielectricLobe | None
+    metal: bool
+    multiscatter: bool
+
+    @property
+    def label(self) -> str:
+        """A short name, unique for the record, for the node group's title."""
+        words = [f"roughness {self.roughness:.6g}"]
+        if self.dielectric:
+            words.append(f"IOR {self.dielectric.ior:.6g}")
+            if self.dielectric.eta != self.dielectric.ior:
+                words.append(f"as {self.dielectric.eta:.6g}")
+        if self.metal:
+            words.append("metal")
+        if self.multiscatter and self.roughness > 0:
+            words.append("multiscatter")
+        return ", ".join(words)

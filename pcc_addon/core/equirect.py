@@ -1,0 +1,58 @@
+"""The picture that shaders read: equirectangular, as Blender's Environment Texture node maps directions.
+
+Row 0 is the bottom (−Z). u runs from +… as Cycles has it: u = ½ − atan2(y, x) / 2π, v = ½ + asin(z) / π.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .cubemap import sample_faces
+
+
+def directions(width: int, height: int, rows: slice = slice(None)) -> np.ndarray:
+    """(rows, width, 3) float64 unit vectors through the texel centres, world space, row 0 at the bottom."""
+    azimuth = np.pi - 2.0 * np.pi * (np.arange(width) + 0.5) / width
+    elevation = np.pi * ((np.arange(height)[rows] + 0.5) / height - 0.5)
+    across = np.cos(elevation)[:, None]
+    z = np.broadcast_to(np.sin(elevation)[:, None], (len(elevation), width))
+    return np.stack([across * np.cos(azimuth), across * np.sin(azimuth), z], -1)
+
+
+def coordinates(vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(u, v) in [0, 1] of world-space vectors (..., 3) of any length."""
+    x, y, z = np.moveaxis(np.asarray(vectors, np.float64), -1, 0)
+    return 0.5 - np.arctan2(y, x) / (2.0 * np.pi), 0.5 + np.arctan2(z, np.hypot(x, y)) / np.pi
+
+
+def solid_angles(width: int, height: int) -> np.ndarray:
+    """(height,) steradians of one texel in each row; all texels together make 4π exactly."""
+    edges = np.sin(np.pi * (np.arange(height + 1) / height - 0.5))
+    return np.diff(edges) * (2.0 * np.pi / width)
+
+
+def from_faces(faces: Sequence[np.ndarray], overscan: int, rows_at_once: int = 64) -> np.ndarray:
+    """The equirectangular picture (2n, 4n, channels) float32 of six faces with n texels across 90°."""
+    resolution = faces[0].shape[0] - 2 * overscan
+    width, height = 4 * resolution, 2 * resolution
+    blocks = [
+        sample_faces(faces, overscan, directions(width, height, slice(start, start + rows_at_once)))
+        for start in range(0, height, rows_at_once)
+    ]
+    return np.concatenate(blocks)
+
+
+def lookup(picture: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Bilinear lookup, as the Environment Texture node does it: (..., channels) for vectors (..., 3)."""
+    height, width = picture.shape[:2]
+    u, v = coordinates(vectors)
+    column, row = u * width - 0.5, v * height - 0.5
+    c0, r0 = np.floor(column).astype(np.intp), np.floor(row).astype(np.intp)
+    fc, fr = (column - c0)[..., None], (row - r0)[..., None]
+    left, right = c0 % width, (c0 + 1) % width
+    low, high = np.clip(r0, 0, height - 1), np.clip(r0 + 1, 0, height - 1)
+    below = picture[low, left] * (1 - fc) + picture[low, right] * fc
+    above = picture[high, left] * (1 - fc) + picture[high, right] * fc
+    return below * (1 - fr) + above * fr

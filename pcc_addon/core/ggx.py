@@ -1,0 +1,88 @@
+"""The GGX microfacet lobe: directional albedo by quadrature, and the kernel that blurs a mirror image.
+
+alpha = roughness² throughout. Sources: Walter et al. 2007 (GGX), Heitz 2014 (height-correlated Smith masking),
+Heitz 2018 (sampling of visible normals), Karis 2013 (split sum, view = normal = reflection for the blur).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+Curve = Callable[[np.ndarray], np.ndarray]
+
+
+def _smith_lambda(cosine: np.ndarray, alpha: float) -> np.ndarray:
+    tan2 = np.maximum(1.0 / np.maximum(cosine, 1e-12) ** 2 - 1.0, 0.0)
+    return 0.5 * (np.sqrt(1.0 + alpha * alpha * tan2) - 1.0)
+
+
+def _visible_normals(view_cosine: float, alpha: float, grid: int) -> np.ndarray:
+    """Midpoint-stratified microfacet normals (grid², 3), distributed as seen from a direction in the xz plane."""
+    u = (np.arange(grid) + 0.5) / grid
+    u1, u2 = (a.ravel() for a in np.meshgrid(u, u, indexing="ij"))
+    view = np.array([np.sqrt(max(0.0, 1.0 - view_cosine**2)) * alpha, 0.0, view_cosine])
+    view /= np.linalg.norm(view)
+    across = np.array([0.0, 1.0, 0.0])
+    up = np.cross(view, across)
+    radius, angle = np.sqrt(u1), 2.0 * np.pi * u2
+    t1, t2 = radius * np.cos(angle), radius * np.sin(angle)
+    lift = 0.5 * (1.0 + view[2])
+    t2 = (1.0 - lift) * np.sqrt(np.maximum(0.0, 1.0 - t1 * t1)) + lift * t2
+    height = np.sqrt(np.maximum(0.0, 1.0 - t1 * t1 - t2 * t2))
+    normal = t1[:, None] * across + t2[:, None] * up + height[:, None] * view
+    normal *= (alpha, alpha, 1.0)
+    normal[:, 2] = np.maximum(normal[:, 2], 1e-12)
+    return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+
+
+def directional_averages(cosines: np.ndarray, roughness: float, curves: Sequence[Curve], grid: int = 96) -> np.ndarray:
+    """∫ f(v·h) dE over a GGX lobe with F = f, by the cosine of the view direction.
+
+    Args:
+        cosines: (n,) cosines between view and normal, in (0, 1].
+        roughness: 0 … 1; 0 is the mirror, whose averages are the curves themselves.
+        curves: functions of v·h, such as a Fresnel curve; the constant 1 gives the lobe's albedo.
+        grid: quadrature points on each side.
+
+    Returns:
+        (len(curves), n) float64.
+    """
+    cosines = np.asarray(cosines, np.float64)
+    if roughness == 0.0:
+        return np.stack([curve(cosines) * np.ones_like(cosines) for curve in curves])
+    alpha = roughness * roughness
+    result = np.empty((len(curves), len(cosines)))
+    for i, cosine in enumerate(cosines):
+        view = np.array([np.sqrt(1.0 - cosine * cosine), 0.0, cosine])
+        half = _visible_normals(cosine, alpha, grid)
+        view_half = np.clip(half @ view, 0.0, 1.0)
+        light_cosine = 2.0 * view_half * half[:, 2] - cosine
+        lambda_view, lambda_light = _smith_lambda(cosine, alpha), _smith_lambda(light_cosine, alpha)
+        weight = np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
+        for k, curve in enumerate(curves):
+            result[k, i] = np.mean(weight * curve(view_half))
+    return result
+
+
+def hemispherical_average(cosines: np.ndarray, values: np.ndarray) -> float:
+    """2 ∫ values · µ dµ over 0 … 1 (the cosine-weighted mean of a directional albedo)."""
+    order = np.argsort(cosines)
+    mu = np.concatenate([[0.0], np.asarray(cosines)[order], [1.0]])
+    v = np.asarray(values)[order]
+    v = np.concatenate([v[:1], v, v[-1:]])
+    return float(np.trapezoid(2.0 * v * mu, mu) if hasattr(np, "trapezoid") else np.trapz(2.0 * v * mu, mu))
+
+
+def blur_kernel(angle: np.ndarray, roughness: float) -> np.ndarray:
+    """Relative weight of light arriving at `angle` (radians) from the mirror direction, viewed along the normal.
+
+    D(h) · G1(l) with h halfway: the lobe that the split sum assumes. Not normalised.
+    """
+    alpha2 = roughness**4
+    half_cosine2 = np.cos(0.5 * angle) ** 2
+    light_cosine = np.cos(angle)
+    distribution = 1.0 / (half_cosine2 * (alpha2 - 1.0) + 1.0) ** 2
+    masking = 1.0 / (1.0 + _smith_lambda(np.maximum(light_cosine, 0.0), roughness * roughness))
+    return np.where(light_cosine > 0.0, distribution * masking, 0.0)

@@ -1,0 +1,182 @@
+"""How much a Principled surface reflects: the split-sum Fresnel term, and what it leaves to the diffuse part.
+
+Follows the layering of Blender's Principled BSDF: a metallic lobe (F82 tint) mixed by Metallic with a
+dielectric lobe (exact Fresnel curve scaled to its F0 and tint) over the diffuse base, which gets what the
+largest channel of the dielectric lobe leaves. Multiple scattering after Turquin 2019 / Kulla and Conty 2017.
+
+For a mirror the terms are exact. For a rough lobe they are integrated over the GGX lobe and fitted by a
+polynomial in the view cosine, which Horner's rule evaluates in the shader.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from .effects import DielectricLobe, SurfaceEffects
+from .expression import (
+    Expr,
+    clamp,
+    combine,
+    dot,
+    greatest,
+    lift,
+    maximum,
+    minimum,
+    mix,
+    multiply_add,
+    scalar,
+    sqrt,
+    vector,
+)
+from .formula import INCOMING, NORMAL
+from .ggx import directional_averages, hemispherical_average
+
+RADIANCE = vector("Radiance")
+BASE_COLOR = vector("Base Color")
+METALLIC = scalar("Metallic")
+SPECULAR_LEVEL = scalar("Specular IOR Level")
+SPECULAR_TINT = vector("Specular Tint")
+
+FIT_DEGREE = 6
+_F82_COSINE = 1.0 / 7.0
+
+
+def f0_from_ior(ior: float) -> float:
+    """Reflectance at normal incidence."""
+    return ((ior - 1.0) / (ior + 1.0)) ** 2
+
+
+def ior_from_f0(f0: float) -> float:
+    """The inverse, for f0 in [0, 1)."""
+    root = np.sqrt(min(max(f0, 0.0), 0.99))
+    return float((1.0 + root) / (1.0 - root))
+
+
+def dielectric_lobe(ior: float, level: float | None) -> DielectricLobe | None:
+    """The lobe of an index of refraction and a specular level (None: varies), or None where it reflects nothing."""
+    eta = ior
+    if level is not None and level != 0.5:
+        eta = ior_from_f0(f0_from_ior(ior) * 2.0 * level)
+        eta = 1.0 / eta if ior < 1.0 else eta
+    return None if eta == 1.0 or ior == 1.0 else DielectricLobe(ior, eta)
+
+
+def fresnel_dielectric(cosine: np.ndarray, eta: float) -> np.ndarray:
+    """Unpolarised Fresnel reflectance from outside; 1 under total internal reflection."""
+    g2 = eta * eta - 1.0 + cosine * cosine
+    g = np.sqrt(np.maximum(g2, 0.0))
+    a = (g - cosine) / (g + cosine)
+    b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
+    return np.where(g2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)
+
+
+def _curve_position(cosine: np.ndarray, eta: float) -> np.ndarray:
+    """Where the Fresnel curve stands between its value at normal incidence (0) and 1 (1)."""
+    f0 = f0_from_ior(eta)
+    return (fresnel_dielectric(cosine, eta) - f0) / (1.0 - f0)
+
+
+def _cosine_grid() -> np.ndarray:
+    return 0.5 - 0.5 * np.cos(np.pi * (np.arange(48) + 0.5) / 48)
+
+
+@cache
+def _fit(roughness: float, eta: float | None) -> tuple[tuple[tuple[float, ...], ...], float]:
+    """Polynomials in µ of three terms of a rough lobe, and the lobe's hemispherical albedo.
+
+    The terms are, for a dielectric, (∫ 1 − s, ∫ s, 0) with s the position on the Fresnel curve of `eta`; for a
+    metal (None), (∫ 1 − s, ∫ s, ∫ c (1 − c)⁶) with Schlick's s = (1 − c)⁵.
+
+    Returns:
+        Coefficients from the highest power down, each with three terms; and ∫∫ F = 1.
+    """
+    cosines = _cosine_grid()
+    if eta is None:
+        curves = [
+            lambda c: 1.0 - (1.0 - c) ** 5,
+            lambda c: (1.0 - c) ** 5,
+            lambda c: c * (1.0 - c) ** 6,
+        ]
+    else:
+        curves = [
+            lambda c: 1.0 - _curve_position(c, eta),
+            lambda c: _curve_position(c, eta),
+            lambda c: 0.0 * c,
+        ]
+    values = directional_averages(cosines, roughness, curves)
+    chebyshev = np.polynomial.chebyshev
+    basis = chebyshev.chebvander(2.0 * cosines - 1.0, FIT_DEGREE)
+    fits = np.linalg.lstsq(basis, values.T, rcond=None)[0]
+    powers = [chebyshev.Chebyshev(fit, domain=[0, 1]).convert(kind=np.polynomial.Polynomial).coef for fit in fits.T]
+    padded = np.stack([np.pad(p, (0, FIT_DEGREE + 1 - len(p))) for p in powers])
+    coefficients = tuple(tuple(float(c) for c in column) for column in padded.T[::-1])
+    return coefficients, hemispherical_average(cosines, values[0] + values[1])
+
+
+def _horner(cosine: Expr, coefficients: tuple[tuple[float, ...], ...]) -> Expr:
+    value = lift(coefficients[0])
+    for coefficient in coefficients[1:]:
+        value = multiply_add(value, cosine, coefficient)
+    return clamp(value)
+
+
+def _multiscatter(single: Expr, albedo: Expr, f0: Expr, average_albedo: float) -> Expr:
+    """Energy that scattering between microfacets gives back to a lobe of single-scattering reflectance `single`."""
+    average_fresnel = mix(f0, 1.0, 1.0 / 21.0)
+    returned = average_fresnel * average_albedo / (1.0 - average_fresnel * (1.0 - average_albedo))
+    return single * (1.0 + returned * ((1.0 - albedo) / maximum(albedo, 1e-3)))
+
+
+def _dielectric(cosine: Expr, lobe: DielectricLobe, effects: SurfaceEffects) -> Expr:
+    f0 = minimum(SPECULAR_TINT * (SPECULAR_LEVEL * (2.0 * f0_from_ior(lobe.ior))), 1.0)
+    if effects.roughness == 0.0:
+        g = sqrt(lobe.eta**2 - 1.0 + cosine * cosine)
+        a = (g - cosine) / (g + cosine)
+        b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
+        fresnel = minimum(0.5 * a * a * (1.0 + b * b), 1.0)
+        start = f0_from_ior(lobe.eta)
+        return mix(f0, 1.0, (fresnel - start) / (1.0 - start))
+    coefficients, average = _fit(effects.roughness, lobe.eta)
+    terms = _horner(cosine, coefficients)
+    single = multiply_add(f0, terms.x, terms.y)
+    return _multiscatter(single, terms.x + terms.y, f0, average) if effects.multiscatter else single
+
+
+def _metal(cosine: Expr, effects: SurfaceEffects) -> Expr:
+    f0 = clamp(BASE_COLOR)
+    schlick_at_82 = mix(f0, 1.0, (1.0 - _F82_COSINE) ** 5)
+    dip = schlick_at_82 * (1.0 - minimum(SPECULAR_TINT, 1.0)) * (1.0 / (_F82_COSINE * (1.0 - _F82_COSINE) ** 6))
+    if effects.roughness == 0.0:
+        grazing = 1.0 - cosine
+        squared = grazing * grazing
+        fifth = squared * squared * grazing
+        return clamp(mix(f0, 1.0, fifth) - dip * (cosine * fifth * grazing))
+    coefficients, average = _fit(effects.roughness, None)
+    terms = _horner(cosine, coefficients)
+    single = clamp(multiply_add(f0, terms.x, terms.y) - dip * terms.z)
+    return _multiscatter(single, terms.x + terms.y, f0, average) if effects.multiscatter else single
+
+
+def surface(effects: SurfaceEffects) -> dict[str, Expr]:
+    """A Principled surface lit by a probe.
+
+    Returns:
+        "Reflection": the radiance that the specular lobe sends to the eye; "Diffuse Color": the base colour
+        that is left for a BSDF without specular and metal. Both are linear colours.
+    """
+    cosine = clamp(dot(NORMAL, INCOMING))
+    reflectance, left = lift((0.0, 0.0, 0.0)), lift(0.0)
+    if effects.dielectric:
+        reflectance = _dielectric(cosine, effects.dielectric, effects)
+        left = 1.0 - minimum(greatest(reflectance), 1.0)
+    if effects.metal:
+        metal = _metal(cosine, effects)
+        if effects.dielectric:
+            reflectance = mix(reflectance, metal, METALLIC)
+            left = left * (1.0 - METALLIC)
+        else:
+            reflectance = metal
+    diffuse = BASE_COLOR * left if effects.dielectric else combine(0.0, 0.0, 0.0)
+    return {"Reflection": RADIANCE * reflectance, "Diffuse Color": diffuse}

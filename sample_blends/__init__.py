@@ -1,0 +1,1 @@
+"""Sample scenes and the script that builds them."""
