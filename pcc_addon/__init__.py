@@ -1,15 +1,50 @@
 """Parallax Probes: box probes whose one bake reflects a room with the right parallax, in Cycles and in EEVEE."""
 
+from __future__ import annotations
+
 
 def register() -> None:
-    """Add the add-on's types, operators, menus and shell command to Blender."""
-    from .blender import properties
+    """Add the add-on's types, operators, menus, handlers and shell command to Blender."""
+    import bpy
+
+    from .blender import handlers, properties
+    from .ui import operators, panels
 
     properties.register()
+    for cls in (*operators.CLASSES, *panels.CLASSES):
+        bpy.utils.register_class(cls)
+    bpy.types.VIEW3D_MT_lightprobe_add.append(panels.draw_add_menu)
+    handlers.register()
+    _shell_command(register=True)
 
 
 def unregister() -> None:
     """Take everything back that `register` added."""
-    from .blender import properties
+    import bpy
 
+    from .blender import handlers, properties
+    from .ui import operators, panels
+
+    _shell_command(register=False)
+    handlers.unregister()
+    bpy.types.VIEW3D_MT_lightprobe_add.remove(panels.draw_add_menu)
+    for cls in reversed((*operators.CLASSES, *panels.CLASSES)):
+        bpy.utils.unregister_class(cls)
     properties.unregister()
+
+
+_command: object = None
+
+
+def _shell_command(*, register: bool) -> None:
+    """Add or remove `blender --command pcc`."""
+    import bpy
+
+    from . import cli
+
+    global _command
+    if register:
+        _command = bpy.utils.register_cli_command("pcc", cli.run_in_blender)
+    else:
+        bpy.utils.unregister_cli_command(_command)
+        _command = None

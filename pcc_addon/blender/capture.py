@@ -11,7 +11,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ..core.cubemap import FACES
-from ..core.errors import BakeError
+from ..core.errors import BakeError, Cancelled
 from ..core.probe import Engine, ProbeSpec
 from . import compat, lamps, pictures
 from .overrides import override, temporary
@@ -56,14 +56,15 @@ class Stage:
         """Render one face: (n + 2·OVERSCAN, same, 3) float32 scene-linear radiance, row 0 at the bottom.
 
         Raises:
-            BakeError: the render gave no picture.
+            Cancelled: the user stopped the render.
+        BakeError: the render gave no picture.
         """
         rotation = Matrix(FACES[index].rotation.tolist()).to_4x4()
         self.camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
         result = bpy.ops.render.render(scene=self.scene.name, layer=self.view_layer.name)
-        image = bpy.data.images.get("Render Result")
-        if "FINISHED" not in result or image is None:
-            raise BakeError(f"probe '{probe.name}': rendering face {FACES[index].name} was stopped")
+        if "FINISHED" not in result:
+            raise Cancelled(f"probe '{probe.name}': rendering face {FACES[index].name} was stopped")
+        image = bpy.data.images["Render Result"]
         path = self._folder / "face.exr"
         image.save_render(str(path), scene=self.scene)
         picture = pictures.read_file(path)

@@ -78,6 +78,12 @@ def drop_unused_groups() -> None:
             bpy.data.node_groups.remove(tree)
 
 
+def shown_effects(probe_group: bpy.types.ShaderNodeTree) -> str:
+    """The label of the lookup effects that a probe's group was built for."""
+    find = next(n for n in probe_group.nodes if n.bl_idname == "ShaderNodeGroup")
+    return str(role(find.node_tree)).partition(": ")[2]
+
+
 def level_output(roughness: float) -> str:
     """The name of a probe group's output for one level."""
     return f"Radiance {roughness:.4f}"

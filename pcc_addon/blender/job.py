@@ -13,12 +13,12 @@ import numpy as np
 
 from ..core import equirect, radiance
 from ..core.cubemap import FACES
-from ..core.errors import Cancelled, PccError
+from ..core.errors import BakeError, Cancelled, PccError
 from ..core.prefilter import prefilter
 from ..core.probe import ProbeSpec
 from ..core.sidecar import Sidecar
 from ..version import ADDON_VERSION
-from . import groups, levels, twin
+from . import groups, levels, scene, twin
 from .capture import OVERSCAN, Stage
 from .fingerprint import SceneFingerprint
 from .overrides import override
@@ -56,15 +56,17 @@ class BakeJob:
 
     def __init__(
         self,
-        scene: bpy.types.Scene,
+        target: bpy.types.Scene,
         view_layer: bpy.types.ViewLayer,
         probes: Sequence[bpy.types.Object],
         folder: Path | None,
+        allow_missing_textures: bool = False,
     ) -> None:
         self.progress = 0.0
         self.message = "Preparing"
         self.results: list[BakedProbe] = []
-        self._scene, self._view_layer, self._probes, self._folder = scene, view_layer, list(probes), folder
+        self._scene, self._view_layer, self._probes, self._folder = target, view_layer, list(probes), folder
+        self._allow_missing_textures = allow_missing_textures
         self._stack = ExitStack()
         self._work = self._run()
 
@@ -72,7 +74,9 @@ class BakeJob:
         """Do the next piece of work; False once all is done and the scene is restored.
 
         Raises:
-            Exception: whatever went wrong outside a single probe; the scene is restored first.
+            BakeError: the folder cannot be written, or textures are missing.
+        Cancelled: the user stopped a render.
+        Exception: whatever else went wrong. In every case the scene is restored first.
         """
         try:
             next(self._work)
@@ -102,6 +106,10 @@ class BakeJob:
         specs, ready = self._read_probes()
         if not ready:
             return
+        levels.check_folder(self._folder)
+        missing = scene.missing_textures(self._view_layer, self._scene.world)
+        if missing and not self._allow_missing_textures:
+            raise BakeError("; ".join(missing))
         found = survey(self._view_layer, specs)
         fingerprint = SceneFingerprint(self._scene, self._view_layer)
         hashes = {spec.name: fingerprint.content_hash(spec) for _, spec in ready}

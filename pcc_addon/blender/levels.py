@@ -92,6 +92,16 @@ def ensure_levels(
     store(probe, record, pictures_now, folder)
 
 
+def check_folder(folder: Path | None) -> None:
+    """Make sure that a bake can be stored, before hours of rendering.
+
+    Raises:
+        BakeError: nothing can be written there.
+    """
+    with ExitStack() as stack:
+        _folder_for_parts(stack, folder)
+
+
 def missing_files(probe: bpy.types.Object) -> list[str]:
     """The paths of a probe's pictures that are neither packed nor on disk."""
     images = [level.image for level in probe.pcc_probe.levels if level.image]

@@ -16,7 +16,6 @@ from ..core.sidecar import Sidecar
 
 
 def add_probe(
-    scene: bpy.types.Scene,
     collection: bpy.types.Collection,
     name: str,
     location: Sequence[float],
@@ -47,8 +46,8 @@ def add_probe(
 
 
 def all_probes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """The scene's probes, by name."""
-    return sorted((o for o in scene.objects if o.pcc_probe.is_probe), key=lambda o: o.name)
+    """The scene's own probes, by name; those linked from libraries show the bakes of their own files."""
+    return sorted((o for o in scene.objects if o.pcc_probe.is_probe and not o.library), key=lambda o: o.name)
 
 
 def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object]:

@@ -5,7 +5,18 @@ from __future__ import annotations
 import bpy
 
 from ..core.effects import Outside
+from ..core.errors import PccError
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Engine
+
+
+def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
+    """Show a changed setting at once in the materials that show the probe."""
+    from .levels import refresh_group
+
+    try:
+        refresh_group(settings.id_data)
+    except PccError:  # a faulty transform is reported when the probe is baked
+        return
 
 
 class PCC_HiddenObject(bpy.types.PropertyGroup):
@@ -65,6 +76,7 @@ class PCC_Probe(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=1.0,
         unit="LENGTH",
+        update=_refresh_shader,
     )
     falloff: bpy.props.FloatProperty(
         name="Falloff",
@@ -73,6 +85,7 @@ class PCC_Probe(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=10.0,
         unit="LENGTH",
+        update=_refresh_shader,
     )
     outside: bpy.props.EnumProperty(
         name="Outside",
@@ -81,6 +94,7 @@ class PCC_Probe(bpy.types.PropertyGroup):
             (Outside.UNCORRECTED.value, "Uncorrected", "Fade to the reflection without parallax correction"),
             (Outside.BLACK.value, "Black", "Fade to no reflection"),
         ],
+        update=_refresh_shader,
     )
     correction: bpy.props.EnumProperty(
         name="Correction",
@@ -89,6 +103,7 @@ class PCC_Probe(bpy.types.PropertyGroup):
             ("BOX", "Box", "Parallax-corrected by the probe's box"),
             ("NONE", "None", "The classic lookup, right only for things far away"),
         ],
+        update=_refresh_shader,
     )
     hidden_objects: bpy.props.CollectionProperty(type=PCC_HiddenObject)
     hidden_collection: bpy.props.PointerProperty(

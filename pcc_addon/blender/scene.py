@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
+
+from . import groups
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
@@ -29,6 +33,34 @@ def surfaces(
         original = evaluated.original
         materials = {slot.material for slot in original.material_slots if slot.material}
         found += [(original, material, corners) for material in sorted(materials, key=lambda m: m.name_full)]
+    return found
+
+
+def missing_textures(view_layer: bpy.types.ViewLayer, world: bpy.types.World | None) -> list[str]:
+    """A sentence for each image file that rendered materials or the world need and that is not there."""
+    trees = {material.node_tree for _, material, _ in surfaces(view_layer) if material.node_tree}
+    if world and world.node_tree:
+        trees.add(world.node_tree)
+    found = {}
+    for image in sorted({i for tree in trees for i in _images(tree, set())}, key=lambda i: i.name_full):
+        path = bpy.path.abspath(image.filepath, library=image.library)
+        if image.source == "FILE" and not image.packed_file and not Path(path).is_file():
+            found[image.name] = f"image '{image.name}': its file '{path}' is missing; relink it or pack it"
+    return list(found.values())
+
+
+def _images(tree: bpy.types.NodeTree, seen: set[str]) -> set[bpy.types.Image]:
+    if tree.name_full in seen:
+        return set()
+    seen.add(tree.name_full)
+    found = set()
+    for node in tree.nodes:
+        if groups.role(node):
+            continue
+        if getattr(node, "image", None):
+            found.add(node.image)
+        if getattr(node, "node_tree", None):
+            found |= _images(node.node_tree, seen)
     return found
 
 

@@ -9,10 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, auto
-from typing import Union
-
-Number = Union[int, float]
-Operand = Union["Expr", Number, tuple]
 
 
 class Op(Enum):
@@ -115,6 +111,9 @@ class Operation(Expr):
         if self.op in _TO_VECTOR:
             return 3
         return max(argument.width for argument in self.args)
+
+
+Operand = Expr | float | tuple
 
 
 def scalar(name: str) -> Input:

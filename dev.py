@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""Development tasks, from a clean clone and with the standard library alone.
+
+python3 dev.py demo                 bake the gallery sample, render it three ways, make one labelled picture
+python3 dev.py test [PYTEST ARG…]   run the tests (--blender 4.5|5.0|5.2, --all for every version, --heavy)
+python3 dev.py lint                 ruff: format and lint
+python3 dev.py build                build and validate the extension's zip into build/
+python3 dev.py samples              rebuild sample_blends/*.blend
+python3 dev.py run SCRIPT [ARG…]    run a script of this repository (benchmarks, docs) with Blender as a module
+
+Each makes its own environment in .venvs/ the first time (one Blender wheel is about 400 MB).
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+VENVS = ROOT / ".venvs"
+# Blender version: the Python that its bpy wheel is for. The last one whose Python is found is the default.
+BLENDERS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
+TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*"]
+FIGURES = ["matplotlib==3.*", "pillow>=11"]
+RUFF = "ruff==0.14.*"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(usage=__doc__)
+    parser.add_argument("task", choices=["demo", "test", "lint", "build", "samples", "run"])
+    parser.add_argument("--blender", choices=BLENDERS, help="which Blender version")
+    parser.add_argument("--all", action="store_true", help="every supported Blender version")
+    parser.add_argument("--heavy", action="store_true", help="tests: the slow ones too")
+    options, rest = parser.parse_known_args()
+    tasks = {"demo": demo, "test": test, "lint": lint, "build": build, "samples": samples, "run": run}
+    return tasks[options.task](options, rest)
+
+
+def demo(options: argparse.Namespace, rest: list[str]) -> int:
+    return call(blender_python(options.blender), "-m", "sample_blends.demo", *rest)
+
+
+def test(options: argparse.Namespace, rest: list[str]) -> int:
+    heavy = ["--heavy"] if options.heavy else []
+    worst = 0
+    for version in available() if options.all else [options.blender]:
+        python = blender_python(version)
+        print(f"== tests with Blender {python.parent.parent.name.removeprefix('bpy-')}", flush=True)
+        worst = max(worst, call(python, "-m", "pytest", *heavy, *rest))
+    return worst
+
+
+def lint(options: argparse.Namespace, rest: list[str]) -> int:
+    python = environment("lint", Path(sys.executable), [RUFF])
+    return max(
+        call(python, "-m", "ruff", "format", *(rest or ["--check", "."])), call(python, "-m", "ruff", "check", ".")
+    )
+
+
+def build(options: argparse.Namespace, rest: list[str]) -> int:
+    python = blender_python(options.blender)
+    return call(python, "-m", "tests.packaging.extension", str(ROOT / "build"))
+
+
+def samples(options: argparse.Namespace, rest: list[str]) -> int:
+    return call(blender_python(options.blender or "4.5"), "-m", "sample_blends.build")
+
+
+def run(options: argparse.Namespace, rest: list[str]) -> int:
+    if not rest:
+        sys.exit("dev.py run: name a script")
+    return call(blender_python(options.blender), *rest)
+
+
+def blender_python(version: str | None) -> Path:
+    """The interpreter of the environment with that Blender version, or with the newest that can be had."""
+    version = version or available()[-1]
+    interpreter = find_interpreter(BLENDERS[version])
+    if interpreter is None:
+        sys.exit(f"Blender {version} as a module needs Python {BLENDERS[version]}, and there is none; {HOW_TO_GET}")
+    return environment(f"bpy-{version}", interpreter, [f"bpy=={version}.*", *TOOLS, *FIGURES])
+
+
+HOW_TO_GET = "install one (for example with pyenv, uv or your system's packages) and try again"
+
+
+def available() -> list[str]:
+    """The Blender versions whose Python is on this machine."""
+    found = [version for version, python in BLENDERS.items() if find_interpreter(python)]
+    missing = sorted(set(BLENDERS.values()) - {BLENDERS[v] for v in found})
+    if not found:
+        sys.exit(f"no Python that a bpy wheel exists for ({', '.join(missing)}) was found; {HOW_TO_GET}")
+    if missing:
+        skipped = ", ".join(v for v in BLENDERS if v not in found)
+        print(f"No Python {', '.join(missing)} found: leaving out Blender {skipped}", file=sys.stderr)
+    return found
+
+
+def find_interpreter(wanted: str) -> Path | None:
+    """An interpreter of Python `wanted`, wherever the usual tools keep one."""
+    candidates = [sys.executable, shutil.which(f"python{wanted}")]
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    candidates += [str(p) for p in sorted(pyenv.glob(f"{wanted}.*/bin/python"), reverse=True)]
+    if shutil.which("uv"):
+        found = subprocess.run(["uv", "python", "find", wanted], capture_output=True, text=True)
+        candidates.append(found.stdout.strip())
+    if os.name == "nt" and shutil.which("py"):
+        found = subprocess.run(
+            ["py", f"-{wanted}", "-c", "import sys; print(sys.executable)"], capture_output=True, text=True
+        )
+        candidates.append(found.stdout.strip())
+    return next((Path(c) for c in candidates if c and is_python(c, wanted)), None)
+
+
+def is_python(candidate: str, wanted: str) -> bool:
+    """Whether a program is that Python and can make environments; some are shims that refuse."""
+    probe = "import sys, ensurepip, venv; print('%d.%d' % sys.version_info[:2])"
+    try:
+        answer = subprocess.run([candidate, "-c", probe], capture_output=True, text=True, timeout=60)
+    except OSError:
+        return False
+    return answer.returncode == 0 and answer.stdout.strip() == wanted
+
+
+def environment(name: str, interpreter: Path, requirements: list[str]) -> Path:
+    """The interpreter of a virtual environment with `requirements`, made or mended where needed."""
+    place = VENVS / name
+    python = place / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    stamp = place / "requirements.stamp"
+    wanted = hashlib.sha256("\n".join(requirements).encode()).hexdigest()
+    if python.exists() and stamp.exists() and stamp.read_text() == wanted:
+        return python
+    print(f"Making the environment {place.relative_to(ROOT)} …", flush=True)
+    subprocess.run([interpreter, "-m", "venv", "--clear", place], check=True)
+    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *requirements]
+    if subprocess.run(pip).returncode:
+        shutil.rmtree(place)
+        sys.exit(f"pip could not install {', '.join(requirements)}; see its message above")
+    stamp.write_text(wanted)
+    return python
+
+
+def call(python: Path, *arguments: str) -> int:
+    return subprocess.run([str(python), *arguments], cwd=ROOT).returncode
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

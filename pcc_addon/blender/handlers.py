@@ -1,0 +1,37 @@
+"""Keeps shaders right while an artist moves probes."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..core.errors import PccError
+from . import groups
+from .levels import refresh_group
+from .probes import probe_spec
+
+
+@bpy.app.handlers.persistent
+def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Give a probe that was turned, or turned back, the lookup that its new orientation calls for.
+
+    Moving and scaling need no help: drivers follow the box.
+    """
+    for update in depsgraph.updates:
+        probe = update.id.original
+        if not update.is_updated_transform or not isinstance(probe, bpy.types.Object):
+            continue
+        if not probe.pcc_probe.is_probe or probe.library or probe.pcc_probe.group is None:
+            continue
+        try:
+            if groups.shown_effects(probe.pcc_probe.group) != probe_spec(probe).effects.label:
+                refresh_group(probe)
+        except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
+            continue
+
+
+def register() -> None:
+    bpy.app.handlers.depsgraph_update_post.append(on_depsgraph_update)
+
+
+def unregister() -> None:
+    bpy.app.handlers.depsgraph_update_post.remove(on_depsgraph_update)

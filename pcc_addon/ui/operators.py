@@ -1,0 +1,279 @@
+"""The operators. They gather what is asked, call `blender/`, and report; headless they do the same at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+
+from ..blender import injection
+from ..blender.job import BakedProbe, BakeJob
+from ..blender.levels import bake_folder
+from ..blender.probes import add_probe, all_probes
+from ..blender.status import stale_probes
+from ..core.errors import Cancelled, PccError
+
+_SCOPE = bpy.props.EnumProperty(
+    name="Scope",
+    items=[
+        ("SCENE", "Scene", "All materials around the scene's probes"),
+        ("SELECTED", "Selected", "Only the materials of selected objects"),
+    ],
+)
+
+
+class PCC_OT_probe_add(bpy.types.Operator):
+    """Add a parallax probe: a box that follows the walls of a room"""
+
+    bl_idname = "pcc.probe_add"
+    bl_label = "Parallax Probe"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: bpy.props.StringProperty(name="Name", default="Probe")
+    location: bpy.props.FloatVectorProperty(name="Location", size=3, subtype="TRANSLATION", unit="LENGTH")
+    rotation: bpy.props.FloatVectorProperty(name="Rotation", size=3, subtype="EULER", unit="ROTATION")
+    half_extents: bpy.props.FloatVectorProperty(
+        name="Half Extents",
+        description="Half the box's size along its axes",
+        size=3,
+        subtype="XYZ",
+        unit="LENGTH",
+        default=(2.0, 2.0, 1.5),
+    )
+    capture_offset: bpy.props.FloatVectorProperty(
+        name="Capture Offset",
+        description="Where the pictures are taken, from the box's centre along its axes",
+        size=3,
+        subtype="XYZ",
+        unit="LENGTH",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Parallax probes are added in Object Mode")
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if not self.properties.is_property_set("location"):
+            self.location = context.scene.cursor.location
+        return self.execute(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            probe = add_probe(
+                context.collection, self.name, self.location, self.rotation, self.half_extents, self.capture_offset
+            )
+        except PccError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for item in context.selected_objects:
+            item.select_set(False)
+        probe.select_set(True)
+        context.view_layer.objects.active = probe
+        return {"FINISHED"}
+
+
+class PCC_OT_bake(bpy.types.Operator):
+    """Bake what the probes see. Esc cancels and leaves everything as it was"""
+
+    bl_idname = "pcc.bake"
+    bl_label = "Bake Probes"
+
+    scope: bpy.props.EnumProperty(
+        name="Scope",
+        items=[
+            ("STALE", "Stale", "Probes that have no bake, or that something has changed around since"),
+            ("ALL", "All", "All probes of the scene"),
+            ("SELECTED", "Selected", "Selected probes"),
+        ],
+    )
+    allow_missing_textures: bpy.props.BoolProperty(
+        name="Allow Missing Textures", description="Bake although image files are missing and render in pink"
+    )
+
+    _job: BakeJob | None = None
+    _timer: bpy.types.Timer | None = None
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not all_probes(context.scene):
+            cls.poll_message_set("The scene has no parallax probe: add one with Add › Light Probe › Parallax Probe")
+            return False
+        return True
+
+    def _start(self, context: bpy.types.Context) -> bool:
+        probes = _probes_in_scope(context, self.scope)
+        if not probes:
+            self.report({"INFO"}, _NOTHING_TO_BAKE[self.scope])
+            return False
+        folder = bake_folder(context.scene)
+        if folder is None:
+            self.report({"INFO"}, "The file is not saved yet: pictures are packed into it")
+        self._job = BakeJob(context.scene, context.view_layer, probes, folder, self.allow_missing_textures)
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        if not self._start(context):
+            return {"FINISHED"}
+        try:
+            results = self._job.run()
+        except PccError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return self._report(results)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if bpy.app.background:
+            return self.execute(context)
+        if not self._start(context):
+            return {"FINISHED"}
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(0.01, window=context.window)
+        manager.progress_begin(0.0, 1.0)
+        context.window.cursor_modal_set("WAIT")
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type == "ESC":
+            self._job.cancel()
+            self._finish(context)
+            self.report({"WARNING"}, "Bake cancelled; probes that were not finished keep their old bakes")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}  # nothing may be edited while the scene is set up for the bake
+        try:
+            more = self._job.step()
+        except Exception as error:
+            self._finish(context)
+            if not isinstance(error, PccError):
+                raise
+            self.report({"WARNING" if isinstance(error, Cancelled) else "ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.window_manager.progress_update(self._job.progress)
+        context.workspace.status_text_set(f"{self._job.progress:.0%}  {self._job.message}  (Esc: cancel)")
+        if more:
+            return {"RUNNING_MODAL"}
+        self._finish(context)
+        return self._report(self._job.results)
+
+    def _finish(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        context.window.cursor_modal_restore()
+        context.workspace.status_text_set(None)
+
+    def _report(self, results: Sequence[BakedProbe]) -> set[str]:
+        done = [r for r in results if r.error is None]
+        for result in done:
+            for line in result.replaced_pixels:
+                self.report({"WARNING"}, f"probe '{result.probe}': {line}")
+        if done:
+            listing = ", ".join(f"'{r.probe}' in {r.seconds:.1f} s" for r in done)
+            self.report({"INFO"}, f"Baked {listing}")
+        failed = [r.error for r in results if r.error is not None]
+        if failed:
+            self.report({"ERROR"}, "; ".join(failed))
+        return {"FINISHED"} if done else {"CANCELLED"}
+
+
+_NOTHING_TO_BAKE = {
+    "STALE": "All probes are baked and nothing has changed since",
+    "ALL": "The scene has no probes",
+    "SELECTED": "No probe is selected",
+}
+
+
+def _probes_in_scope(context: bpy.types.Context, scope: str) -> list[bpy.types.Object]:
+    probes = all_probes(context.scene)
+    if scope == "SELECTED":
+        return [probe for probe in probes if probe.select_get(view_layer=context.view_layer)]
+    return stale_probes(context.scene, context.view_layer, probes) if scope == "STALE" else probes
+
+
+class PCC_OT_inject(bpy.types.Operator):
+    """Let materials show the baked probes around them; the materials' own nodes are kept"""
+
+    bl_idname = "pcc.inject"
+    bl_label = "Inject into Materials"
+    bl_options = {"REGISTER", "UNDO"}
+
+    scope: _SCOPE
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        objects = list(context.selected_objects) if self.scope == "SELECTED" else None
+        try:
+            report = injection.inject(context.scene, context.view_layer, objects)
+        except PccError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for note in report.notes:
+            self.report({"WARNING"}, note)
+        self.report({"INFO"}, f"{len(report.materials)} materials show their probes")
+        return {"FINISHED"}
+
+
+class PCC_OT_remove(bpy.types.Operator):
+    """Take the probes out of materials: they are again exactly what they were"""
+
+    bl_idname = "pcc.remove"
+    bl_label = "Remove from Materials"
+    bl_options = {"REGISTER", "UNDO"}
+
+    scope: _SCOPE
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        restored = injection.remove(list(context.selected_objects) if self.scope == "SELECTED" else None)
+        self.report({"INFO"}, f"{len(restored)} materials restored")
+        return {"FINISHED"}
+
+
+class PCC_OT_hidden_add(bpy.types.Operator):
+    """Leave the other selected objects out of the active probe's capture"""
+
+    bl_idname = "pcc.hidden_add"
+    bl_label = "Hide Selected from Capture"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not (context.object and context.object.pcc_probe.is_probe and len(context.selected_objects) > 1):
+            cls.poll_message_set("Select objects, and the probe last")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        hidden = context.object.pcc_probe.hidden_objects
+        known = {item.object for item in hidden}
+        for item in context.selected_objects:
+            if item not in known and not item.pcc_probe.is_probe:
+                hidden.add().object = item
+        return {"FINISHED"}
+
+
+class PCC_OT_hidden_remove(bpy.types.Operator):
+    """Show an object in the active probe's capture again"""
+
+    bl_idname = "pcc.hidden_remove"
+    bl_label = "Show in Capture"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: bpy.props.IntProperty(min=0)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        hidden = context.object.pcc_probe.hidden_objects
+        if self.index < len(hidden):
+            hidden.remove(self.index)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    PCC_OT_probe_add,
+    PCC_OT_bake,
+    PCC_OT_inject,
+    PCC_OT_remove,
+    PCC_OT_hidden_add,
+    PCC_OT_hidden_remove,
+)

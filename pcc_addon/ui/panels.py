@@ -1,0 +1,95 @@
+"""Where the probe's settings and buttons are shown: the empty's data tab, the sidebar, the Add menu."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..blender.probes import all_probes
+
+
+class PCC_PT_probe(bpy.types.Panel):
+    bl_label = "Parallax Probe"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None and context.object.pcc_probe.is_probe
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.object.pcc_probe
+        column = layout.column()
+        column.prop(settings, "engine")
+        column.prop(settings, "resolution")
+        column.prop(settings, "samples")
+        if settings.engine == "CYCLES":
+            column.prop(settings, "denoise")
+        layout.prop(settings, "capture_offset")
+        column = layout.column(align=True)
+        column.prop(settings, "clip_start")
+        column.prop(settings, "clip_end", text="End")
+        column = layout.column()
+        column.prop(settings, "correction")
+        box = column.column()
+        box.active = settings.correction == "BOX"
+        box.prop(settings, "padding")
+        box.prop(settings, "falloff")
+        box.prop(settings, "outside")
+        layout.operator("pcc.bake", icon="RENDER_STILL", text="Bake Selected Probes").scope = "SELECTED"
+
+
+class PCC_PT_hidden(bpy.types.Panel):
+    bl_label = "Hidden from Capture"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "data"
+    bl_parent_id = "PCC_PT_probe"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.object.pcc_probe
+        layout.prop(settings, "hidden_collection", text="Collection")
+        for index, item in enumerate(settings.hidden_objects):
+            row = layout.row(align=True)
+            row.prop(item, "object", text="Object" if index == 0 else " ")
+            row.operator("pcc.hidden_remove", icon="X", text="").index = index
+        layout.operator("pcc.hidden_add", icon="ADD")
+
+
+class PCC_PT_scene(bpy.types.Panel):
+    bl_label = "Parallax Probes"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Probes"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        probes = all_probes(context.scene)
+        if not probes:
+            layout.label(text="No probes yet", icon="INFO")
+            layout.operator("pcc.probe_add", icon="LIGHTPROBE_SPHERE", text="Add Parallax Probe")
+            return
+        column = layout.column(align=True)
+        for probe in probes:
+            baked = bool(probe.pcc_probe.bake_record)
+            column.label(text=probe.name, icon="CHECKMARK" if baked else "RADIOBUT_OFF")
+        column = layout.column(align=True)
+        column.operator("pcc.bake", icon="RENDER_STILL", text="Bake Stale").scope = "STALE"
+        row = column.row(align=True)
+        row.operator("pcc.bake", text="All").scope = "ALL"
+        row.operator("pcc.bake", text="Selected").scope = "SELECTED"
+        column = layout.column(align=True)
+        column.operator("pcc.inject", icon="MATERIAL")
+        column.operator("pcc.remove", icon="X")
+        layout.prop(context.scene.pcc, "folder")
+
+
+def draw_add_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
+    self.layout.operator("pcc.probe_add", icon="LIGHTPROBE_SPHERE")
+
+
+CLASSES = (PCC_PT_probe, PCC_PT_hidden, PCC_PT_scene)
