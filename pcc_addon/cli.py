@@ -50,7 +50,9 @@ def _parser(file_is_open: bool) -> argparse.ArgumentParser:
     bake.add_argument("--engine", choices=["CYCLES", "EEVEE"], type=str.upper, help="set the probes' engine")
     bake.add_argument("--resolution", type=int, metavar="PX", help="set the probes' face width")
     bake.add_argument("--samples", type=int, metavar="N", help="set the probes' samples")
-    bake.add_argument("--allow-missing-textures", action="store_true", help="bake although image files are missing")
+    bake.add_argument(
+        "--allow-missing-textures", action="store_true", help="missing image files, baked in pink, are no failure"
+    )
     sub("inject", "let the materials show the baked probes")
     sub("remove", "restore the materials")
     sub("status", "say which probes are baked, stale or faulty", saves=False)
@@ -190,7 +192,7 @@ def _bake(options: argparse.Namespace, voice: _Voice) -> int:
     if options.stale:
         probes = stale_probes(scene, view_layer, probes)
     folder = bake_folder(scene, str(options.output.resolve()) if options.output else None)
-    job = BakeJob(scene, view_layer, probes, folder, options.allow_missing_textures)
+    job = BakeJob(scene, view_layer, probes, folder)
     with _interruptible() as interrupted:
         while job.step():
             if interrupted:
@@ -198,6 +200,9 @@ def _bake(options: argparse.Namespace, voice: _Voice) -> int:
                 raise Cancelled("cancelled")
             voice.progress(job.progress, job.message)
     failures = 0
+    for line in job.missing_textures:
+        failures += not options.allow_missing_textures
+        voice.error(f"{line}, and bake again; until then it is baked in pink")
     for result in job.results:
         if result.error is None:
             text = f"baked '{result.probe}' in {result.seconds:.1f} s"
@@ -207,7 +212,7 @@ def _bake(options: argparse.Namespace, voice: _Voice) -> int:
         else:
             failures += 1
             voice.error(result.error)
-    if options.inject and failures < len(job.results):
+    if options.inject and any(result.error is None for result in job.results):
         failures += _inject(options, voice)
     return failures
 

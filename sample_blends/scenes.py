@@ -143,3 +143,103 @@ def emissive_room(room: Room = EMISSIVE_ROOM) -> bpy.types.Scene:
     add_camera(room.world(-4.2, -3.3, 0.0), room.world(1.2, 0.9, -2.0), 24.0, 480, 270)
     scene.cycles.samples = 16
     return scene
+
+
+def gallery(room: Room = GALLERY) -> bpy.types.Scene:
+    """A turned exhibition room with lamps, pictures and pedestals over a polished floor, and a probe to bake."""
+    scene = empty_scene()
+    plaster = principled("Plaster", Base_Color=(0.78, 0.76, 0.72, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
+    ceiling = principled("Ceiling", Base_Color=(0.85, 0.85, 0.85, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
+    accent = principled("Accent Wall", Base_Color=(0.05, 0.2, 0.3, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
+    floor = principled("Polished Stone", Roughness=0.04, IOR=1.6, Specular_IOR_Level=0.5)
+    stone = _checker(floor, (0.10, 0.095, 0.09), (0.035, 0.033, 0.03), 1.0)
+    floor.node_tree.links.new(stone, principled_node(floor).inputs["Base Color"])
+    for side in ("-X", "+Y", "-Y"):
+        add_wall(room, side, plaster)
+    add_wall(room, "+X", accent)
+    add_wall(room, "+Z", ceiling)
+    add_wall(room, "-Z", floor)
+    _hang_pictures(room)
+    _stand_pedestals(room)
+    for x in (-3.5, 0.0, 3.5):
+        _add_panel_lamp(room, x)
+    add_camera(room.world(-5.4, -3.3, -0.25), room.world(2.2, 1.2, -0.75), 21.0, 560, 315)
+    probe = bpy.data.objects.new("Gallery Probe", None)
+    probe.empty_display_type = "CUBE"
+    probe.matrix_world = room.matrix @ Matrix.Diagonal((*room.half_extents, 1.0))
+    probe.pcc_probe.is_probe = True
+    scene.collection.objects.link(probe)
+    scene.cycles.samples = 64
+    scene.cycles.max_bounces = 6
+    return scene
+
+
+def _add_box(
+    room: Room,
+    name: str,
+    centre: tuple[float, float, float],
+    half: tuple[float, float, float],
+    material: bpy.types.Material,
+) -> bpy.types.Object:
+    """A box along the room's axes; centre and half extents in metres."""
+    mesh = bpy.data.meshes.new(name)
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    mesh.from_pydata([tuple(c * h for c, h in zip(corner, half, strict=True)) for corner in corners], [], faces)
+    mesh.materials.append(material)
+    box = bpy.data.objects.new(name, mesh)
+    box.matrix_world = room.matrix @ Matrix.Translation(centre)
+    bpy.context.scene.collection.objects.link(box)
+    return box
+
+
+def _hang_pictures(room: Room) -> None:
+    half_x, half_y, _ = room.half_extents
+    frame = principled("Frame", Base_Color=(0.02, 0.02, 0.02, 1.0), Roughness=0.7, Specular_IOR_Level=0.0)
+    hues = [(0.85, 0.12, 0.06), (0.95, 0.6, 0.05), (0.1, 0.45, 0.12), (0.08, 0.2, 0.7), (0.6, 0.1, 0.5)]
+    places = [((-3.6, half_y, 0.1), 1), ((-0.6, half_y, 0.1), 1), ((2.8, half_y, 0.1), 1)]
+    places += [((half_x, -1.8, 0.1), 0), ((half_x, 1.6, 0.1), 0)]
+    for k, ((centre, axis), hue) in enumerate(zip(places, hues, strict=True)):
+        paint = principled(f"Canvas {k + 1}", Base_Color=(*hue, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
+        pale = principled(
+            f"Canvas {k + 1} Light",
+            Base_Color=(*(0.5 + 0.5 * c for c in hue), 1.0),
+            Roughness=0.9,
+            Specular_IOR_Level=0.0,
+        )
+        for inset, material, depth, size in ((0, frame, 0.03, 0.8), (1, paint, 0.035, 0.72), (2, pale, 0.04, 0.3)):
+            half = [size * (1.0 + 0.25 * (k % 2)), size * (1.0 + 0.25 * (k % 2)), size]
+            half[axis] = depth
+            shifted = list(centre)
+            shifted[1 - axis] += 0.25 * (inset == 2)
+            shifted[2] -= 0.2 * (inset == 2)
+            _add_box(room, f"Picture {k + 1}.{inset}", tuple(shifted), tuple(half), material)
+
+
+def _stand_pedestals(room: Room) -> None:
+    white = principled("Pedestal", Base_Color=(0.7, 0.7, 0.68, 1.0), Roughness=0.8, Specular_IOR_Level=0.0)
+    floor_z = -room.half_extents[2]
+    exhibits = [
+        ("Red Sphere", (1.2, 2.1), (0.8, 0.05, 0.03, 1.0)),
+        ("Yellow Sphere", (3.6, 0.4), (0.9, 0.65, 0.05, 1.0)),
+        ("Blue Sphere", (4.2, -2.2), (0.05, 0.15, 0.75, 1.0)),
+    ]
+    for name, (x, y), color in exhibits:
+        _add_box(room, f"Pedestal of {name}", (x, y, floor_z + 0.4), (0.25, 0.25, 0.4), white)
+        material = principled(name, Base_Color=color, Roughness=0.3)
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.32)
+        sphere = bpy.context.object
+        sphere.name = name
+        sphere.matrix_world = room.matrix @ Matrix.Translation((x, y, floor_z + 0.8 + 0.32))
+        sphere.data.materials.append(material)
+        sphere.data.shade_smooth()
+
+
+def _add_panel_lamp(room: Room, x: float) -> None:
+    light = bpy.data.lights.new("Panel", "AREA")
+    light.shape = "RECTANGLE"
+    light.size, light.size_y = 1.8, 0.35
+    light.energy = 260.0
+    lamp = bpy.data.objects.new("Panel", light)
+    lamp.matrix_world = room.matrix @ Matrix.Translation((x, 0.0, room.half_extents[2] - 0.05))
+    bpy.context.scene.collection.objects.link(lamp)

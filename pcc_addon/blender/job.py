@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core import equirect, radiance
 from ..core.cubemap import FACES
-from ..core.errors import BakeError, Cancelled, PccError
+from ..core.errors import Cancelled, PccError
 from ..core.prefilter import prefilter
 from ..core.probe import ProbeSpec
 from ..core.sidecar import Sidecar
@@ -52,6 +52,7 @@ class BakeJob:
         progress: 0 … 1.
         message: what is being done.
         results: one for each probe that is finished or failed.
+        missing_textures: a sentence for each image file that is not there; what it covers is captured in pink.
     """
 
     def __init__(
@@ -60,13 +61,12 @@ class BakeJob:
         view_layer: bpy.types.ViewLayer,
         probes: Sequence[bpy.types.Object],
         folder: Path | None,
-        allow_missing_textures: bool = False,
     ) -> None:
         self.progress = 0.0
         self.message = "Preparing"
         self.results: list[BakedProbe] = []
         self._scene, self._view_layer, self._probes, self._folder = target, view_layer, list(probes), folder
-        self._allow_missing_textures = allow_missing_textures
+        self.missing_textures: list[str] = []
         self._stack = ExitStack()
         self._work = self._run()
 
@@ -74,7 +74,7 @@ class BakeJob:
         """Do the next piece of work; False once all is done and the scene is restored.
 
         Raises:
-            BakeError: the folder cannot be written, or textures are missing.
+            BakeError: the folder cannot be written.
         Cancelled: the user stopped a render.
         Exception: whatever else went wrong. In every case the scene is restored first.
         """
@@ -107,9 +107,7 @@ class BakeJob:
         if not ready:
             return
         levels.check_folder(self._folder)
-        missing = scene.missing_textures(self._view_layer, self._scene.world)
-        if missing and not self._allow_missing_textures:
-            raise BakeError("; ".join(missing))
+        self.missing_textures = scene.missing_textures(self._view_layer, self._scene.world)
         found = survey(self._view_layer, specs)
         fingerprint = SceneFingerprint(self._scene, self._view_layer)
         hashes = {spec.name: fingerprint.content_hash(spec) for _, spec in ready}
@@ -202,6 +200,7 @@ class BakeJob:
 
 def _show_diffuse_only(stack: ExitStack, receivers: list[bpy.types.Material]) -> None:
     """Switch off injected reflections, and the specular lobes of materials that will show a probe (S6)."""
+    stack.callback(groups.drop_unused_groups)
     for material in bpy.data.materials:
         for node in twin.reflection_nodes(material):
             override(stack, node, "mute", True)

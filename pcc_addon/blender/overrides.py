@@ -13,13 +13,17 @@ def override(stack: ExitStack, owner: Any, name: str, value: Any) -> None:
     before = getattr(owner, name)
     if before == value:
         return
-    stack.callback(_restore, owner, name, before)
+    was_default = isinstance(owner, bpy.types.bpy_struct) and not owner.is_property_set(name)
+    stack.callback(_restore, owner, name, before, was_default)
     setattr(owner, name, value)
 
 
-def _restore(owner: Any, name: str, value: Any) -> None:
+def _restore(owner: Any, name: str, value: Any, was_default: bool) -> None:
     try:
-        setattr(owner, name, value)
+        if was_default:
+            owner.property_unset(name)
+        else:
+            setattr(owner, name, value)
     except ReferenceError:  # the owner was deleted meanwhile: there is nothing left to restore
         return
 

@@ -57,7 +57,7 @@ def remove_twins(material: bpy.types.Material) -> bool:
     originals = [tree.nodes.get(n[_TWIN_OF]) for n in own if _TWIN_OF in n]
     for node in own:
         if _SAMPLING in node:
-            material.cycles.emission_sampling = node[_SAMPLING]
+            _restore_lamp_sampling(material, node[_SAMPLING])
     copies = {n.node_tree for n in own if n.bl_idname == "ShaderNodeGroup" and n.node_tree}
     for node in own:
         tree.nodes.remove(node)
@@ -116,8 +116,16 @@ def _stop_lamp_sampling(material: bpy.types.Material) -> None:
     if own_light or material.cycles.emission_sampling == "NONE":
         return
     marker = next(n for n in material.node_tree.nodes if _TWIN_OF in n)
-    marker[_SAMPLING] = material.cycles.emission_sampling
+    was_set = material.cycles.is_property_set("emission_sampling")
+    marker[_SAMPLING] = material.cycles.emission_sampling if was_set else ""
     material.cycles.emission_sampling = "NONE"
+
+
+def _restore_lamp_sampling(material: bpy.types.Material, before: str) -> None:
+    if before:
+        material.cycles.emission_sampling = before
+    else:
+        material.cycles.property_unset("emission_sampling")
 
 
 def _glows(node: bpy.types.Node) -> bool:

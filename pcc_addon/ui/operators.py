@@ -89,10 +89,6 @@ class PCC_OT_bake(bpy.types.Operator):
             ("SELECTED", "Selected", "Selected probes"),
         ],
     )
-    allow_missing_textures: bpy.props.BoolProperty(
-        name="Allow Missing Textures", description="Bake although image files are missing and render in pink"
-    )
-
     _job: BakeJob | None = None
     _timer: bpy.types.Timer | None = None
 
@@ -111,7 +107,7 @@ class PCC_OT_bake(bpy.types.Operator):
         folder = bake_folder(context.scene)
         if folder is None:
             self.report({"INFO"}, "The file is not saved yet: pictures are packed into it")
-        self._job = BakeJob(context.scene, context.view_layer, probes, folder, self.allow_missing_textures)
+        self._job = BakeJob(context.scene, context.view_layer, probes, folder)
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -166,6 +162,8 @@ class PCC_OT_bake(bpy.types.Operator):
         context.workspace.status_text_set(None)
 
     def _report(self, results: Sequence[BakedProbe]) -> set[str]:
+        for line in self._job.missing_textures:
+            self.report({"WARNING"}, f"{line}; the bake shows it in pink")
         done = [r for r in results if r.error is None]
         for result in done:
             for line in result.replaced_pixels:

@@ -1,0 +1,75 @@
+"""`python3 dev.py demo`: bake the gallery, render its floor three ways, say what was made and how long it took."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+
+import pcc_addon
+
+from . import scenes
+from .three_ways import side_by_side, three_ways
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--folder", type=Path, default=ROOT / "build" / "demo", help="where the pictures go")
+    options = parser.parse_args()
+    folder = options.folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    start = time.perf_counter()
+    pcc_addon.register()
+    scene = scenes.gallery()
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "gallery.blend"))
+    probe = bpy.data.objects["Gallery Probe"]
+    probe.pcc_probe.resolution, probe.pcc_probe.samples = 384, 24
+    say(f"Baking '{probe.name}': six faces of {probe.pcc_probe.resolution} px …")
+    with quiet():
+        baking = time.perf_counter()
+        bpy.ops.pcc.bake(scope="ALL")
+        bpy.ops.pcc.inject()
+        baking = time.perf_counter() - baking
+    say(f"  baked and injected in {baking:.1f} s")
+    say("Rendering the floor three ways …")
+    with quiet():
+        scene.cycles.samples, scene.cycles.use_denoising = 32, True
+        pictures = three_ways(scene, probe, folder)
+        bpy.ops.pcc.inject()
+        bpy.ops.wm.save_mainfile()
+    for picture in pictures:
+        say(f"  {picture.label}: {picture.seconds:.1f} s")
+    sheet = folder / "demo.png"
+    side_by_side(pictures, sheet)
+    say(f"{sheet}  (all of it took {time.perf_counter() - start:.0f} s)")
+    return 0
+
+
+def say(text: str) -> None:
+    print(text, flush=True)
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Without Blender's own lines on standard output."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
