@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import ctypes
 import json
 import os
 import signal
@@ -84,15 +85,14 @@ class _Voice:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run with Blender as a module; returns the exit code."""
     options = _parser(file_is_open=False).parse_args(argv)
-    try:
-        import bpy
-    except ImportError:
-        print("pcc: this Python has no bpy module; install the one for its version with pip", file=sys.stderr)
-        return USAGE
-    del bpy
-    from . import register
-
     with _quiet_blender() as out:
+        try:
+            import bpy  # noqa: F401 — the first import writes to standard output
+        except ImportError:
+            print("pcc: this Python has no bpy module; install the one for its version with pip", file=sys.stderr)
+            return USAGE
+        from . import register
+
         register()
         return _run(options, _Voice(out, options.json))
 
@@ -111,19 +111,27 @@ def run_in_blender(argv: list[str]) -> int:
 
 @contextlib.contextmanager
 def _quiet_blender() -> Iterator[TextIO]:
-    """Standard output for us alone: Blender's own lines, written by C code, go nowhere."""
-    sys.stdout.flush()
+    """Standard output for us alone: Blender's own lines, from C code and through Python, go nowhere."""
+    _flush_all()
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     out = os.fdopen(os.dup(kept), "w", encoding="utf-8")
     os.dup2(nowhere, 1)
     try:
-        yield out
+        with open(os.devnull, "w", encoding="utf-8") as silence, contextlib.redirect_stdout(silence):
+            yield out
     finally:
-        sys.stdout.flush()
+        _flush_all()
         os.dup2(kept, 1)
         out.close()
         os.close(kept)
         os.close(nowhere)
+
+
+def _flush_all() -> None:
+    """Empty Python's buffer of standard output and the C library's."""
+    sys.stdout.flush()
+    library = ctypes.CDLL("ucrtbase" if os.name == "nt" else None)
+    library.fflush(None)
 
 
 def _run(options: argparse.Namespace, voice: _Voice) -> int:
@@ -159,7 +167,7 @@ def _open(path: Path) -> None:
         bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False)
     except RuntimeError as error:
         raise PccError(
-            f"'{path}' cannot be opened: it is not a .blend file of this version or it is damaged"
+            f"'{path}' cannot be opened: it is damaged or no .blend file; give a file that Blender opens"
         ) from error
 
 

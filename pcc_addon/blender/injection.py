@@ -56,7 +56,7 @@ def inject(
             notes.append(str(error))
     if not specs:
         raise PccError(notes[0] if notes else f"scene '{scene.name}' has no probe; add one and bake it")
-    found = survey(view_layer, specs, objects)
+    found = survey(view_layer, specs, scene.pcc.roughness_limit, objects)
     probes = {probe.name: probe for probe in all_probes(scene)}
     folder = bake_folder(scene)
     for spec in specs:
@@ -65,7 +65,7 @@ def inject(
     for receiver in found.receivers:
         twin.remove_twins(receiver.material)
         group = probes[receiver.probe].pcc_probe.group
-        twin.add_twins(receiver.material, twin.Reflection(group))
+        twin.add_twins(receiver.material, twin.Reflection(group, scene.pcc.roughness_limit))
         if receiver.others:
             others = ", ".join(f"'{name}'" for name in receiver.others)
             notes.append(

@@ -108,7 +108,7 @@ class BakeJob:
             return
         levels.check_folder(self._folder)
         self.missing_textures = scene.missing_textures(self._view_layer, self._scene.world)
-        found = survey(self._view_layer, specs)
+        found = survey(self._view_layer, specs, self._scene.pcc.roughness_limit)
         fingerprint = SceneFingerprint(self._scene, self._view_layer)
         hashes = {spec.name: fingerprint.content_hash(spec) for _, spec in ready}
         wanted = {}
@@ -124,7 +124,11 @@ class BakeJob:
         done = 0
         yield
         stage = Stage(self._stack, self._scene, self._view_layer)
-        _show_diffuse_only(self._stack, [receiver.material for receiver in found.receivers])
+        _show_diffuse_only(
+            self._stack,
+            [receiver.material for receiver in found.receivers],
+            twin.Reflection(None, self._scene.pcc.roughness_limit),
+        )
         for probe, spec in ready:
             target = done + len(FACES) + 1 + len(wanted[spec.name])
             try:
@@ -198,7 +202,7 @@ class BakeJob:
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced)))
 
 
-def _show_diffuse_only(stack: ExitStack, receivers: list[bpy.types.Material]) -> None:
+def _show_diffuse_only(stack: ExitStack, receivers: list[bpy.types.Material], diffuse_only: twin.Reflection) -> None:
     """Switch off injected reflections, and the specular lobes of materials that will show a probe (S6)."""
     stack.callback(groups.drop_unused_groups)
     for material in bpy.data.materials:
@@ -207,4 +211,4 @@ def _show_diffuse_only(stack: ExitStack, receivers: list[bpy.types.Material]) ->
     for material in receivers:
         if not twin.shown_probe_group(material):
             stack.callback(twin.remove_twins, material)
-            twin.add_twins(material, twin.Reflection(None))
+            twin.add_twins(material, diffuse_only)

@@ -118,7 +118,17 @@ class PCC_Probe(bpy.types.PropertyGroup):
 
 
 class PCC_Scene(bpy.types.PropertyGroup):
-    """Where a scene's bakes go."""
+    """Where a scene's bakes go, and which materials show them."""
+
+    roughness_limit: bpy.props.FloatProperty(
+        name="Roughness Limit",
+        description="Rougher surfaces keep their own reflections: what they reflect is mostly near them, where one "
+        "capture point does not see who shades whom",
+        default=0.6,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
 
     folder: bpy.props.StringProperty(
         name="Folder",

@@ -56,9 +56,10 @@ class Survey:
 def survey(
     view_layer: bpy.types.ViewLayer,
     probes: Sequence[ProbeSpec],
+    roughness_limit: float,
     objects: Iterable[bpy.types.Object] | None = None,
 ) -> Survey:
-    """Find the materials within the influence of `probes`, on all objects that are rendered or only on `objects`."""
+    """Find the materials that `probes` can light, on all objects that are rendered or only on `objects`."""
     chosen = None if objects is None else set(objects)
     votes: dict[bpy.types.Material, dict[str, float]] = {}
     for item, material, corners in scene_surfaces(view_layer):
@@ -72,7 +73,7 @@ def survey(
     for material in sorted(votes, key=lambda m: m.name_full):
         ranked = sorted(votes[material], key=lambda name: (-votes[material][name], name))
         try:
-            effects = surfaces.effects(material)
+            effects = surfaces.effects(material, roughness_limit)
         except surfaces.Unhandled as why:
             left_alone.append(f"material '{material.name}' {why}; left as it is")
             continue

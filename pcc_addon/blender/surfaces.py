@@ -72,8 +72,10 @@ def outputs(material: bpy.types.Material) -> list[bpy.types.ShaderNodeOutputMate
     return chosen
 
 
-def leaf_effects(node: bpy.types.ShaderNodeBsdfPrincipled, scope: Scope) -> SurfaceEffects | None:
-    """What one Principled BSDF calls for, or None where it reflects nothing.
+def leaf_effects(
+    node: bpy.types.ShaderNodeBsdfPrincipled, scope: Scope, roughness_limit: float
+) -> SurfaceEffects | None:
+    """What one Principled BSDF calls for, or None where it reflects nothing or is rougher than the limit.
 
     Raises:
         Unhandled: a probe cannot stand in for its specular lobe.
@@ -94,6 +96,8 @@ def leaf_effects(node: bpy.types.ShaderNodeBsdfPrincipled, scope: Scope) -> Surf
     roughness = constant(inputs["Roughness"], scope)
     if roughness is None:
         raise Unhandled(f"has a textured roughness ('{node.name}')")
+    if roughness > roughness_limit + 0.5 * 10**-ROUGHNESS_DIGITS:
+        return None
     return SurfaceEffects(
         roughness=round(min(max(roughness, 0.0), 1.0), ROUGHNESS_DIGITS),
         dielectric=dielectric,
@@ -102,8 +106,8 @@ def leaf_effects(node: bpy.types.ShaderNodeBsdfPrincipled, scope: Scope) -> Surf
     )
 
 
-def effects(material: bpy.types.Material) -> set[SurfaceEffects]:
-    """What all Principled surfaces of a material call for; empty where nothing reflects.
+def effects(material: bpy.types.Material, roughness_limit: float) -> set[SurfaceEffects]:
+    """What all Principled surfaces of a material call for; empty where nothing reflects sharply enough.
 
     Raises:
         Unhandled: the material must be left as it is.
@@ -116,11 +120,11 @@ def effects(material: bpy.types.Material) -> set[SurfaceEffects]:
         raise Unhandled("is a grease pencil material")
     found: set[SurfaceEffects] = set()
     for output in outputs(material):
-        found |= _walk(output.inputs["Surface"], Scope(material.node_tree), set())
+        found |= _walk(output.inputs["Surface"], Scope(material.node_tree), roughness_limit, set())
     return found
 
 
-def _walk(socket: bpy.types.NodeSocket, scope: Scope, seen: set[tuple]) -> set[SurfaceEffects]:
+def _walk(socket: bpy.types.NodeSocket, scope: Scope, limit: float, seen: set[tuple]) -> set[SurfaceEffects]:
     feeding = source(socket)
     if feeding is None or feeding.type != "SHADER" or feeding.node.mute:
         return set()
@@ -130,16 +134,16 @@ def _walk(socket: bpy.types.NodeSocket, scope: Scope, seen: set[tuple]) -> set[S
         return set()
     seen.add(key)
     if node.bl_idname == "ShaderNodeBsdfPrincipled":
-        leaf = leaf_effects(node, scope)
+        leaf = leaf_effects(node, scope, limit)
         return {leaf} if leaf else set()
     found: set[SurfaceEffects] = set()
     if node.bl_idname == "ShaderNodeGroup" and node.node_tree:
         inner = group_output(node.node_tree)
         if inner is not None:
             inside = inner.inputs[list(node.outputs).index(feeding)]
-            found |= _walk(inside, scope.inside(node), seen)
+            found |= _walk(inside, scope.inside(node), limit, seen)
     for shader in (s for s in node.inputs if s.type == "SHADER"):
-        found |= _walk(shader, scope, seen)
+        found |= _walk(shader, scope, limit, seen)
     return found
 
 

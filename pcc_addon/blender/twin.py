@@ -23,9 +23,15 @@ _DROP = -600.0  # how far below the original its twin is drawn
 
 @dataclass(frozen=True)
 class Reflection:
-    """What the twins show: a probe's group, or None for the diffuse part alone (as captures need it)."""
+    """What twins show.
+
+    Attributes:
+        probe_group: a probe's group, or None for the diffuse part alone (as captures need it).
+        roughness_limit: rougher surfaces keep their own specular lobe.
+    """
 
     probe_group: bpy.types.ShaderNodeTree | None
+    roughness_limit: float
 
 
 def add_twins(material: bpy.types.Material, reflection: Reflection) -> None:
@@ -168,7 +174,7 @@ class _Builder:
         if node.mute:
             return feeding
         if node.bl_idname == "ShaderNodeBsdfPrincipled":
-            effects = leaf_effects(node, self.scope)
+            effects = leaf_effects(node, self.scope, self.reflection.roughness_limit)
             return self._surface(node, effects) if effects else feeding
         is_group = node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None
         if not is_group and not any(s.type == "SHADER" for s in node.inputs):

@@ -85,6 +85,7 @@ class PCC_PT_scene(bpy.types.Panel):
         column = layout.column(align=True)
         column.operator("pcc.inject", icon="MATERIAL")
         column.operator("pcc.remove", icon="X")
+        layout.prop(context.scene.pcc, "roughness_limit")
         layout.prop(context.scene.pcc, "folder")
 
 

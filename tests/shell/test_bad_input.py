@@ -1,0 +1,163 @@
+"""Every fault is one line that names the thing and the remedy; nothing is damaged."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import pytest
+
+from pcc_addon.cli import run_in_blender
+from sample_blends.scenes import empty_scene
+
+FAST = ["--resolution", "16", "--samples", "1"]
+
+
+@pytest.fixture
+def blend(tmp_path: Path) -> Path:
+    """A saved file with one probe; afterwards no file is open."""
+    empty_scene()
+    bpy.ops.pcc.probe_add(name="Hall", location=(1, 2, 3), half_extents=(2, 2, 2))
+    path = tmp_path / "hall.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return path
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 256 KiB."""
+    yield from _mounted(tmp_path / "small", "size=256k")
+
+
+@pytest.fixture
+def read_only_disk(tmp_path: Path) -> Iterator[Path]:
+    yield from _mounted(tmp_path / "fixed", "ro")
+
+
+def _mounted(place: Path, options: str) -> Iterator[Path]:
+    place.mkdir()
+    if os.name != "posix" or os.geteuid() != 0:
+        pytest.skip("mounting a small disk needs root on Linux")
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(place)], capture_output=True).returncode:
+        pytest.skip("this system does not let us mount a tmpfs")
+    yield place
+    subprocess.run(["umount", str(place)], check=True)
+
+
+def run(capfd: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, list[str]]:
+    """Exit code and the lines on standard error that are ours."""
+    capfd.readouterr()
+    code = run_in_blender([str(a) for a in arguments])
+    return code, [line for line in capfd.readouterr().err.splitlines() if line.startswith("pcc")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "named"),
+    [
+        (["bake", "nowhere.blend"], 1, "nowhere.blend"),
+        (["bake"], 2, "FILE.blend"),
+        (["polish", "x.blend"], 2, "polish"),
+        (["bake", "x.blend", "--samples", "many"], 2, "many"),
+    ],
+)
+def test_wrong_words_are_told_in_one_line(
+    capfd: pytest.CaptureFixture[str], arguments: list[str], code: int, named: str
+) -> None:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    found, lines = run(capfd, *arguments)
+    assert found == code
+    assert len(lines) == 1 and named in lines[0]
+
+
+def test_a_file_that_is_no_blend_is_named(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "letter.blend"
+    path.write_text("Dear Sir")
+    code, lines = run(capfd, "bake", path)
+    assert code == 1 and len(lines) == 1 and "letter.blend" in lines[0]
+    assert path.read_text() == "Dear Sir"
+
+
+def test_a_scene_without_probes_says_how_to_add_one(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    empty_scene()
+    path = tmp_path / "bare.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    for sub in ("bake", "inject", "status"):
+        code, lines = run(capfd, sub, path)
+        assert code == 1 and len(lines) == 1 and "add one" in lines[0]
+
+
+def test_an_unknown_probe_is_answered_with_the_known_ones(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    code, lines = run(capfd, "bake", blend, "--probe", "Attic")
+    assert code == 1 and len(lines) == 1
+    assert "'Attic'" in lines[0] and "'Hall'" in lines[0]
+
+
+def test_a_probe_without_size_fails_and_the_others_are_baked(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.ops.pcc.probe_add(name="Flat", half_extents=(1, 1, 1))
+    bpy.data.objects["Flat"].scale.z = 0.0
+    bpy.ops.wm.save_mainfile()
+    code, lines = run(capfd, "bake", blend, *FAST, "--save")
+    assert code == 1 and len(lines) == 1 and "'Flat'" in lines[0] and "zero size along Z" in lines[0]
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    assert bpy.data.objects["Hall"].pcc_probe.bake_record
+
+
+def test_settings_out_of_range_are_told_before_anything_is_done(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    for option, value in (("--resolution", "3"), ("--samples", "0")):
+        code, lines = run(capfd, "bake", blend, option, value)
+        assert code == 1 and len(lines) == 1 and option in lines[0]
+
+
+def test_a_missing_texture_is_named_and_the_bake_goes_on(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.ops.mesh.primitive_plane_add(size=3, location=(1, 2, 2))
+    material = bpy.data.materials.new("Paper")
+    material.use_nodes = True
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.new("flowers", 4, 4)
+    node.image.source, node.image.filepath = "FILE", "//flowers.png"
+    bpy.context.object.data.materials.append(material)
+    bpy.ops.wm.save_mainfile()
+    code, lines = run(capfd, "bake", blend, *FAST, "--save")
+    assert code == 1 and len(lines) == 1 and "'flowers'" in lines[0] and "relink" in lines[0]
+    code, lines = run(capfd, "bake", blend, *FAST, "--allow-missing-textures")
+    assert code == 0
+    assert list(blend.with_suffix(".pcc").glob("*.exr"))
+
+
+def test_a_full_disk_leaves_the_old_bake_whole(
+    capfd: pytest.CaptureFixture[str], blend: Path, small_disk: Path
+) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.context.scene.pcc.folder = str(small_disk)
+    bpy.ops.wm.save_mainfile()
+    assert run(capfd, "bake", blend, *FAST, "--save")[0] == 0
+    with pytest.raises(OSError), (small_disk / "filler").open("wb", buffering=0) as filler:
+        while filler.write(bytes(4096)) == 4096:
+            pass
+        raise OSError
+    before = {p.name: p.read_bytes() for p in small_disk.iterdir()}
+    code, lines = run(capfd, "bake", blend, "--resolution", "32", "--samples", "1", "--save")
+    assert code == 1 and len(lines) == 1 and "free space" in lines[0]
+    assert {p.name: p.read_bytes() for p in small_disk.iterdir()} == before
+
+
+def test_a_read_only_folder_is_told_before_rendering(
+    capfd: pytest.CaptureFixture[str], blend: Path, read_only_disk: Path
+) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.context.scene.pcc.folder = str(read_only_disk)
+    bpy.ops.wm.save_mainfile()
+    code, lines = run(capfd, "bake", blend, *FAST)
+    assert code == 1 and len(lines) == 1 and str(read_only_disk) in lines[0]
+
+
+def test_a_folder_that_is_a_file_is_told(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    blend.with_suffix(".pcc").write_text("in the way")
+    code, lines = run(capfd, "bake", blend, *FAST)
+    assert code == 1 and len(lines) == 1 and "choose another folder" in lines[0]

@@ -1,0 +1,100 @@
+"""What the subcommands do, and how they end."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+from pcc_addon.cli import run_in_blender
+from sample_blends.scenes import EMISSIVE_ROOM, emissive_room
+
+ROOT = Path(__file__).resolve().parents[2]
+FAST = ["--resolution", "16", "--samples", "1"]
+
+
+@pytest.fixture
+def blend(tmp_path: Path) -> Path:
+    """The emissive room with a probe, saved; afterwards no file is open."""
+    emissive_room()
+    room = EMISSIVE_ROOM
+    for name in ("Room", "Other"):
+        bpy.ops.pcc.probe_add(
+            name=name, location=room.centre, rotation=(0, 0, room.turn), half_extents=room.half_extents
+        )
+    path = tmp_path / "room.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return path
+
+
+def events(capfd: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, list[dict]]:
+    """Exit code and the JSON lines; any line that is not JSON fails here."""
+    capfd.readouterr()
+    code = run_in_blender([*(str(a) for a in arguments), "--json"])
+    return code, [json.loads(line) for line in capfd.readouterr().out.splitlines()]
+
+
+def test_nothing_is_saved_unless_asked(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    before = blend.read_bytes()
+    code, lines = events(capfd, "bake", blend, *FAST, "--inject")
+    assert code == 0
+    assert [line["probe"] for line in lines if line["event"] == "baked"] == ["Other", "Room"]
+    assert blend.read_bytes() == before
+
+
+def test_bake_inject_status_remove_round_trip(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    _, lines = events(capfd, "status", blend)
+    assert {line["state"] for line in lines} == {"unbaked"}
+    code, lines = events(capfd, "bake", blend, *FAST, "--probe", "Room", "--inject", "--save")
+    assert code == 0
+    assert [(line["material"], line["probe"]) for line in lines if line["event"] == "injected"] == [("Mirror", "Room")]
+    _, lines = events(capfd, "status", blend)
+    assert {line["probe"]: line["state"] for line in lines} == {"Room": "baked", "Other": "unbaked"}
+    code, lines = events(capfd, "bake", blend, "--probe", "Room", "--stale")
+    assert code == 0 and not [line for line in lines if line["event"] == "baked"]
+    code, lines = events(capfd, "remove", blend, "--save")
+    assert [line["material"] for line in lines if line["event"] == "restored"] == ["Mirror"]
+    code, lines = events(capfd, "inject", blend)
+    assert code == 0 and "Mirror" in {line.get("material") for line in lines}
+
+
+def test_output_has_its_own_pictures_beside_it(capfd: pytest.CaptureFixture[str], blend: Path, tmp_path: Path) -> None:
+    target = tmp_path / "elsewhere" / "copy.blend"
+    target.parent.mkdir()
+    before = blend.read_bytes()
+    code, _ = events(capfd, "bake", blend, *FAST, "--probe", "Room", "--engine", "cycles", "--output", target)
+    assert code == 0 and blend.read_bytes() == before
+    bpy.ops.wm.open_mainfile(filepath=str(target))
+    image = bpy.data.objects["Room"].pcc_probe.levels[0].image
+    path = Path(bpy.path.abspath(image.filepath))
+    assert image.filepath.startswith("//copy.pcc")
+    assert path.is_file() and path.parent == target.with_suffix(".pcc")
+    sidecar = json.loads(next(path.parent.glob("*.json")).read_text())
+    assert sidecar["engine"] == "CYCLES" and sidecar["resolution"] == 16
+
+
+def test_the_module_runs_as_a_program(blend: Path) -> None:
+    command = [sys.executable, "-m", "pcc_addon", "bake", str(blend), *FAST, "--probe", "Room", "--json"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert [json.loads(line)["event"] for line in done.stdout.splitlines()][-1] == "baked"
+
+
+def test_an_interrupted_bake_ends_with_130_and_saves_nothing(blend: Path) -> None:
+    before = blend.read_bytes()
+    command = [sys.executable, "-m", "pcc_addon", "bake", str(blend), "--resolution", "256", "--samples", "64"]
+    process = subprocess.Popen([*command, "--save", "--json"], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    for line in process.stdout:
+        if "face -X" in line:
+            process.send_signal(signal.SIGINT)
+            break
+    process.stdout.read()
+    assert process.wait(timeout=120) == 130
+    assert blend.read_bytes() == before
+    assert not list(blend.with_suffix(".pcc").glob("**/*"))
