@@ -146,7 +146,7 @@ def environment(name: str, interpreter: Path, requirements: list[str]) -> Path:
 
 
 def call(python: Path, *arguments: str) -> int:
-    return subprocess.run([str(python), *arguments], cwd=ROOT).returncode
+    return subprocess.run([str(python), *arguments], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}).returncode
 
 
 if __name__ == "__main__":

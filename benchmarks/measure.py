@@ -1,0 +1,79 @@
+"""What the benchmarks share: a render as an array, errors, medians, tables."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+import pcc_addon
+from pcc_addon.blender import compat, pictures
+from pcc_addon.core.probe import Engine
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A rendered picture (h, w, 3) float32, scene-linear, row 0 at the bottom; and the seconds it took."""
+
+    pixels: np.ndarray
+    seconds: float
+
+
+def start() -> None:
+    """Register the add-on and keep Blender's lines off standard output."""
+    pcc_addon.register()
+    sys.stdout.flush()
+    out = os.fdopen(os.dup(1), "w")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    sys.stdout = out
+
+
+def render(scene: bpy.types.Scene, engine: Engine = Engine.CYCLES, samples: int = 64) -> Frame:
+    """Render the scene's camera."""
+    scene.render.engine = compat.engine_id(engine)
+    scene.cycles.samples = scene.eevee.taa_render_samples = samples
+    with tempfile.TemporaryDirectory() as folder:
+        restore = compat.set_float_exr(scene.render.image_settings)
+        scene.render.filepath = str(Path(folder) / "frame.exr")
+        begin = time.perf_counter()
+        bpy.ops.render.render(write_still=True)
+        seconds = time.perf_counter() - begin
+        pixels = pictures.read_file(Path(scene.render.filepath))
+        restore()
+    return Frame(pixels, seconds)
+
+
+def covered(scene: bpy.types.Scene, item: bpy.types.Object) -> np.ndarray:
+    """(h, w) mask of the pixels that only `item` covers, in a scene that is black behind it."""
+    item.hide_render = True
+    without = render(scene, samples=4).pixels
+    item.hide_render = False
+    return without.sum(-1) == 0.0
+
+
+def relative_rmse(picture: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> float:
+    """Root mean square error over `mask`, divided by the root mean square of the truth there."""
+    error = np.square(picture[mask].astype(np.float64) - truth[mask]).mean()
+    return float(np.sqrt(error / np.square(truth[mask].astype(np.float64)).mean()))
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+def write_page(name: str, title: str, command: str, text: str) -> None:
+    """Write docs/NAME with how to make it again, and print the text."""
+    page = f"# {title}\n\nMade by `{command}` with Blender {bpy.app.version_string}.\n\n{text}\n"
+    (ROOT / "docs" / name).write_text(page, encoding="utf-8")
+    print(text)

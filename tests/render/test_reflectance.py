@@ -1,0 +1,73 @@
+"""Under a uniform white world the twin of a Principled surface reflects what Cycles' own surface reflects."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+
+from benchmarks.measure import render
+from sample_blends.scenes import add_camera, empty_scene, principled
+
+ANGLES = [math.radians(a) for a in (90, 45, 20, 8)]
+
+SURFACES = [
+    {"Roughness": 0.0},
+    {"Roughness": 0.05},
+    {"Roughness": 0.3},
+    {"Roughness": 0.6},
+    {"Roughness": 0.2, "IOR": 1.2},
+    {"Roughness": 0.2, "Specular IOR Level": 1.0, "Specular Tint": (1.0, 0.5, 0.2, 1.0)},
+    {"Roughness": 0.0, "Metallic": 1.0},
+    {"Roughness": 0.3, "Metallic": 1.0},
+    {"Roughness": 0.3, "Metallic": 1.0, "Specular Tint": (0.2, 0.5, 1.0, 1.0)},
+    {"Roughness": 0.2, "Metallic": 0.5},
+    {"Roughness": 0.3, "Alpha": 0.4},
+    {"Roughness": 0.3, "Emission Strength": 0.5, "Emission Color": (0.2, 0.4, 0.6, 1.0)},
+]
+
+
+@pytest.fixture(scope="module")
+def white_world() -> bpy.types.Scene:
+    """A plane at the middle of a big probe, in a world of radiance 1."""
+    scene = empty_scene()
+    background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
+    background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    background.inputs["Strength"].default_value = 1.0
+    bpy.ops.mesh.primitive_plane_add(size=100.0)
+    bpy.ops.pcc.probe_add(name="Sky", half_extents=(60, 60, 60), capture_offset=(0, 0, 1))
+    settings = bpy.data.objects["Sky"].pcc_probe
+    settings.resolution, settings.samples, settings.denoise = 16, 1, False
+    settings.hidden_objects.add().object = bpy.data.objects["Plane"]
+    return scene
+
+
+def _seen(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+    """(angles, 3) mean radiance towards cameras at `ANGLES` above the plane."""
+    found = []
+    for angle in ANGLES:
+        old = scene.camera
+        add_camera(Vector((math.cos(angle), 0.0, math.sin(angle))) * 3.0, Vector(), 200.0, 8, 8)
+        if old:
+            bpy.data.objects.remove(old)
+        found.append(render(scene, samples=samples).pixels.mean((0, 1)))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("inputs", SURFACES, ids=lambda inputs: ", ".join(f"{k} {v}" for k, v in inputs.items()))
+def test_reflected_and_diffuse_light_add_up_as_in_cycles(white_world: bpy.types.Scene, inputs: dict) -> None:
+    keys = {key.replace(" ", "_"): value for key, value in inputs.items()}
+    material = principled("Surface", Base_Color=(0.6, 0.3, 0.1, 1.0), **keys)
+    plane = bpy.data.objects["Plane"]
+    plane.data.materials.clear()
+    plane.data.materials.append(material)
+    truth = _seen(white_world, 256)
+    bpy.ops.pcc.bake(scope="ALL")
+    bpy.ops.pcc.inject()
+    ours = _seen(white_world, 16)
+    bpy.ops.pcc.remove()
+    # Monte Carlo noise of the truth, and the fit of rough lobes (0.03 at worst, at grazing angles only).
+    np.testing.assert_allclose(ours, truth, atol=0.012)
