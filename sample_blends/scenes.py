@@ -30,6 +30,15 @@ class Room:
 EMISSIVE_ROOM = Room((5.0, 4.0, 2.0), (120.0, -75.0, 14.0), math.radians(30.0))
 GALLERY = Room((6.0, 4.0, 1.75), (31.0, 12.0, 5.0), math.radians(-18.0))
 
+# Radiance of the emissive room's bright and dark squares, of one metre, by wall.
+EMISSIVE_COLORS = {
+    "+X": ((1.0, 0.25, 0.15), (0.3, 0.07, 0.05)),
+    "-X": ((0.15, 0.8, 0.9), (0.05, 0.25, 0.3)),
+    "+Y": ((0.2, 0.9, 0.25), (0.06, 0.3, 0.08)),
+    "-Y": ((0.9, 0.3, 0.9), (0.3, 0.1, 0.3)),
+    "+Z": ((1.0, 1.0, 0.9), (0.35, 0.35, 0.3)),
+}
+
 _WALLS = ("+X", "-X", "+Y", "-Y", "+Z", "-Z")
 
 
@@ -129,14 +138,7 @@ def add_camera(location: Vector, target: Vector, lens: float, width: int, height
 def emissive_room(room: Room = EMISSIVE_ROOM) -> bpy.types.Scene:
     """A room whose walls and ceiling only glow and whose floor is a mirror: a path tracer has no noise in it."""
     scene = empty_scene()
-    colors = {
-        "+X": ((1.0, 0.25, 0.15), (0.3, 0.07, 0.05)),
-        "-X": ((0.15, 0.8, 0.9), (0.05, 0.25, 0.3)),
-        "+Y": ((0.2, 0.9, 0.25), (0.06, 0.3, 0.08)),
-        "-Y": ((0.9, 0.3, 0.9), (0.3, 0.1, 0.3)),
-        "+Z": ((1.0, 1.0, 0.9), (0.35, 0.35, 0.3)),
-    }
-    for side, (bright, dark) in colors.items():
+    for side, (bright, dark) in EMISSIVE_COLORS.items():
         add_wall(room, side, _emissive_checker(f"Glow {side}", bright, dark))
     mirror = principled("Mirror", Base_Color=(1.0, 1.0, 1.0, 1.0), Metallic=1.0, Roughness=0.0)
     add_wall(room, "-Z", mirror)
