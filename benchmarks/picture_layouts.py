@@ -61,7 +61,7 @@ OVERSAMPLING = 4  # points across a texel, and across a pixel of a capture, whos
 QUAD = 256  # pixels across one quad of the view of all directions
 ALL_DIRECTIONS_RESOLUTION = 128  # face width N; the equirectangular picture has 4N × 2N texels
 FLOOR_RESOLUTION = 512
-TIMING_SAMPLES = {Engine.CYCLES: 32, Engine.EEVEE: 8}
+TIMING_SAMPLES = {Engine.CYCLES: 24, Engine.EEVEE: 4}
 TIMING_ROUNDS = 5
 FLOOR_SAMPLES = 16
 INTERPOLATIONS = ("Linear", "Cubic", "Smart")
@@ -155,9 +155,15 @@ class Atlas:
         return 3 * self.cell, 2 * self.cell
 
     def directions(self, oversampling: int, rows: slice) -> np.ndarray:
-        cells = [face_directions(face, oversampling * self.face, oversampling * GUTTER) for face in FACES]
-        lower, upper = np.concatenate(cells[0::2], 1), np.concatenate(cells[1::2], 1)
-        return np.concatenate([lower, upper])[rows]
+        k = oversampling
+        axis = (np.arange(-k * GUTTER, k * (self.face + GUTTER)) + 0.5) * (2.0 / (k * self.face)) - 1.0
+        cell_row, points = np.divmod(np.arange(2 * len(axis))[rows], len(axis))
+        lines = []
+        for row in range(2):
+            b = axis[points[cell_row == row], None, None]
+            frames = [[np.array(v, float) for v in (f.forward, f.right, f.up)] for f in FACES[row::2]]
+            lines.append(np.concatenate([forward + axis[:, None] * right + b * up for forward, right, up in frames], 1))
+        return np.concatenate(lines)
 
     def coordinates(self, direction: Expr) -> Expr:
         size = absolute(direction)
@@ -731,6 +737,11 @@ Relative RMSE over the floor's pixels, box-corrected lookup against the path-tra
 """
 
 
+def plain(text: str) -> str:
+    """`text` with the signs that the figure's font lacks spelt in ASCII."""
+    return text.replace("−", "-").replace("×", "x")
+
+
 def draw_figure(accuracies: Sequence[Accuracy], path: Path, reach: int = 16, zoom: int = 6) -> None:
     """Crops of 2·reach pixels around the worst pixel at each kind of seam: engines in rows, seams in columns."""
     from PIL import Image, ImageDraw, ImageFont
@@ -750,13 +761,13 @@ def draw_figure(accuracies: Sequence[Accuracy], path: Path, reach: int = 16, zoo
         )
         row, column = (int(np.clip(k, reach, n - reach)) for k, n in zip((row, column), error.shape, strict=True))
         x = margin + c * (side + margin)
-        draw.text((x, 4), f"{layout.label.replace(', ', chr(10) + '  ')}", "black", font)
+        draw.text((x, 4), plain(layout.label.replace(", ", ",\n  ")), "black", font)
         for r, engine in enumerate(Engine):
             crop = shown[engine][row - reach : row + reach, column - reach : column + reach][::-1] / 1.5
             tile = Image.fromarray((255 * np.clip(crop, 0.0, 1.0) ** (1 / 2.2)).astype(np.uint8))
             y = head + r * (side + head)
             sheet.paste(tile.resize((side, side), Image.Resampling.NEAREST), (x, y))
-            draw.text((x, y + side + 4), f"{_NAMES[engine]}: {seam}", "black", font)
+            draw.text((x, y + side + 4), plain(f"{_NAMES[engine]}: {seam}"), "black", font)
     path.parent.mkdir(parents=True, exist_ok=True)
     sheet.save(path, optimize=True)
 
