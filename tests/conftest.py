@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 
@@ -16,3 +18,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if "heavy" in item.keywords:
             item.add_marker(skip)
+
+
+@pytest.fixture(scope="session")
+def addon() -> Iterator[None]:
+    """The add-on, registered in this process's Blender."""
+    import pcc_addon
+
+    pcc_addon.register()
+    yield
+    pcc_addon.unregister()

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import bpy
 
 from ..core.effects import LookupEffects, Outside, SurfaceEffects
 from ..core.expression import Expr
-from ..core.formula import lookup
+from ..core.formula import lookup, off_poles, steepest_slope
 from ..core.probe import ProbeSpec
 from ..core.reflectance import surface
 from . import node_builder
 
 VERSION = 1
-_TAG = "pcc"  # custom property of every group and node that is ours
+_TAG, _VERSION = "pcc", "pcc_version"  # custom properties of groups and nodes that are ours
+_LOOKUP, _SURFACE, _GUARD = "Lookup, ", "Surface, ", "Off Poles"
 
 # Entries of the probe's object-to-world matrix, by the names that the driver expressions give them: a b c is the
 # first row of the 3×3 part, u v w the translation. Animation paths name the column first.
@@ -53,35 +54,36 @@ def role(item: bpy.types.ID | bpy.types.Node) -> str | None:
 
 def lookup_group(effects: LookupEffects) -> bpy.types.ShaderNodeTree:
     """The group that finds the lookup direction; shared by all probes with these effects."""
-    return _formula_group(f"lookup {VERSION}: {effects.label}", f"PCC Lookup, {effects.label}", lookup(effects))
+    return _formula_group(f"{_LOOKUP}{effects.label}", lambda: lookup(effects))
 
 
 def surface_group(effects: SurfaceEffects) -> bpy.types.ShaderNodeTree:
     """The group that lights a surface by a radiance; shared by all surfaces with these effects."""
-    return _formula_group(f"surface {VERSION}: {effects.label}", f"PCC Surface, {effects.label}", surface(effects))
+    return _formula_group(f"{_SURFACE}{effects.label}", lambda: surface(effects))
 
 
-def _formula_group(key: str, name: str, outputs: Mapping[str, Expr]) -> bpy.types.ShaderNodeTree:
-    for tree in bpy.data.node_groups:
-        if role(tree) == key and not tree.library:
-            return tree
-    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
-    tag(tree, key)
-    node_builder.emit(tree, outputs)
+def _formula_group(title: str, outputs: Callable[[], Mapping[str, Expr]]) -> bpy.types.ShaderNodeTree:
+    """The group with this title; built where there is none, rebuilt in place where an older version built it."""
+    own = [tree for tree in bpy.data.node_groups if role(tree) == title and not tree.library]
+    tree = own[0] if own else bpy.data.node_groups.new(f"PCC {title}", "ShaderNodeTree")
+    if tree.get(_VERSION) != VERSION:
+        tag(tree, title)
+        tree[_VERSION] = VERSION
+        node_builder.emit(tree, outputs())
     return tree
 
 
 def drop_unused_groups() -> None:
     """Remove formula groups that nothing uses; probe groups stay with their probes."""
     for tree in list(bpy.data.node_groups):
-        if str(role(tree)).startswith(("lookup", "surface")) and tree.users == 0:
+        if str(role(tree)).startswith((_LOOKUP, _SURFACE, _GUARD)) and tree.users == 0:
             bpy.data.node_groups.remove(tree)
 
 
 def shown_effects(probe_group: bpy.types.ShaderNodeTree) -> str:
     """The label of the lookup effects that a probe's group was built for."""
-    find = next(n for n in probe_group.nodes if n.bl_idname == "ShaderNodeGroup")
-    return str(role(find.node_tree)).partition(": ")[2]
+    roles = [str(role(n.node_tree)) for n in probe_group.nodes if n.bl_idname == "ShaderNodeGroup"]
+    return next(r.removeprefix(_LOOKUP) for r in roles if r.startswith(_LOOKUP))
 
 
 def level_output(roughness: float) -> str:
@@ -104,8 +106,9 @@ def build_probe_group(
         probe.pcc_probe.group = tree
     tree.nodes.clear()
     tree.animation_data_clear()
-    wanted = [level_output(level.roughness) for level in probe.pcc_probe.levels]
-    _keep_sockets(tree, wanted)
+    levels = [level_output(level.roughness) for level in probe.pcc_probe.levels]
+    node_builder.declare_sockets(tree, "OUTPUT", dict.fromkeys(levels, "NodeSocketColor"))
+    node_builder.declare_sockets(tree, "INPUT", {"Normal": "NodeSocketVector"})
 
     nodes, links = tree.nodes, tree.links
     source, sink = nodes.new("NodeGroupInput"), nodes.new("NodeGroupOutput")
@@ -134,7 +137,13 @@ def build_probe_group(
         picture.image = level.image
         picture.label = f"roughness {level.roughness:.4f}"
         picture.location = (300, -280 * k)
-        links.new(find.outputs["Direction"], picture.inputs["Vector"])
+        guard = nodes.new("ShaderNodeGroup")
+        guard.node_tree = _formula_group(_GUARD, off_poles)
+        guard.label = "Off Poles"
+        guard.location = (120, -280 * k)
+        guard.inputs["Steepest"].default_value = steepest_slope(level.image.size[1])
+        links.new(find.outputs["Direction"], guard.inputs["Direction"])
+        links.new(guard.outputs["Direction"], picture.inputs["Vector"])
         radiance = picture.outputs["Color"]
         if spec.corrected and spec.outside is Outside.BLACK:
             fade = nodes.new("ShaderNodeVectorMath")
@@ -150,20 +159,6 @@ def build_probe_group(
 
 def _owner(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
     return next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
-
-
-def _keep_sockets(tree: bpy.types.ShaderNodeTree, outputs: list[str]) -> None:
-    """Give the group these outputs, keeping the sockets that materials are linked to."""
-    interface = tree.interface
-    have = {item.name: item for item in interface.items_tree if item.in_out == "OUTPUT"}
-    for name, item in have.items():
-        if name not in outputs:
-            interface.remove(item)
-    for name in outputs:
-        if name not in have:
-            interface.new_socket(name, in_out="OUTPUT", socket_type="NodeSocketColor")
-    if not any(item.in_out == "INPUT" for item in interface.items_tree):
-        interface.new_socket("Normal", in_out="INPUT", socket_type="NodeSocketVector")
 
 
 def _driven_vector(

@@ -27,14 +27,15 @@ _COLUMN, _ROW = 180.0, 160.0
 
 
 def emit(tree: bpy.types.ShaderNodeTree, outputs: Mapping[str, Expr]) -> None:
-    """Fill an empty node group with `outputs`: an interface socket per input and output, a node per operation.
+    """Make a node group compute `outputs`: an interface socket per input and output, a node per operation.
 
-    Equal operations on equal arguments become one node.
+    Equal operations on equal arguments become one node. What the group computed before is replaced; sockets that stay
+    keep their links in the trees that use it.
     """
-    for expr in inputs_of(outputs):
-        _declare(tree, expr.name, "INPUT", expr.width)
-    for name, expr in outputs.items():
-        _declare(tree, name, "OUTPUT", expr.width)
+    tree.nodes.clear()
+    inputs = {expr.name: expr.width for expr in inputs_of(outputs)}
+    declare_sockets(tree, "INPUT", {name: _SOCKETS[width] for name, width in inputs.items()})
+    declare_sockets(tree, "OUTPUT", {name: _SOCKETS[expr.width] for name, expr in outputs.items()})
     emitter = _Emitter(tree)
     sink = tree.nodes.new("NodeGroupOutput")
     for name, expr in outputs.items():
@@ -61,9 +62,20 @@ def _walk(expr: Expr, seen: set[int]) -> Iterator[Expr]:
     yield expr
 
 
-def _declare(tree: bpy.types.ShaderNodeTree, name: str, in_out: str, width: int) -> None:
-    kind = "NodeSocketVector" if width == 3 else "NodeSocketFloat"
-    tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
+_SOCKETS = {1: "NodeSocketFloat", 3: "NodeSocketVector"}
+
+
+def declare_sockets(tree: bpy.types.ShaderNodeTree, in_out: str, wanted: Mapping[str, str]) -> None:
+    """Give a group's inputs or outputs these names and socket types; sockets that fit already are kept."""
+    fitting = set()
+    for item in [i for i in tree.interface.items_tree if i.in_out == in_out]:
+        if wanted.get(item.name) == item.bl_socket_idname:
+            fitting.add(item.name)
+        else:
+            tree.interface.remove(item)
+    for name, kind in wanted.items():
+        if name not in fitting:
+            tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
 
 
 class _Emitter:

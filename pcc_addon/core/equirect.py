@@ -1,6 +1,6 @@
 """The picture that shaders read: equirectangular, as Blender's Environment Texture node maps directions.
 
-Row 0 is the bottom (−Z). u runs from +… as Cycles has it: u = ½ − atan2(y, x) / 2π, v = ½ + asin(z) / π.
+Row 0 is the bottom (−Z); u = ½ − atan2(y, x) / 2π, v = ½ + asin(z) / π.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def from_faces(faces: Sequence[np.ndarray], overscan: int, rows_at_once: int = 6
 
 
 def lookup(picture: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Bilinear lookup, as the Environment Texture node does it: (..., channels) for vectors (..., 3)."""
+    """Bilinear lookup: (..., channels) for vectors (..., 3). Rows end at the poles (see `formula.off_poles`)."""
     height, width = picture.shape[:2]
     u, v = coordinates(vectors)
     column, row = u * width - 0.5, v * height - 0.5

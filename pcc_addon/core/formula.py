@@ -9,9 +9,12 @@ Source of the box intersection: the slab method (Kay and Kajiya 1986), for a ray
 
 from __future__ import annotations
 
+import math
+
 from .effects import Correction, LookupEffects, Outside
 from .expression import (
     Expr,
+    Op,
     absolute,
     clamp,
     combine,
@@ -22,8 +25,10 @@ from .expression import (
     maximum,
     mix,
     normalize,
+    operation,
     scalar,
     sign,
+    sqrt,
     vector,
 )
 
@@ -39,6 +44,8 @@ HALF_EXTENTS = vector("Half Extents")
 CAPTURE_POINT = vector("Capture Point")
 PADDING = scalar("Padding")
 FALLOFF = scalar("Falloff")
+DIRECTION = vector("Direction")
+STEEPEST = scalar("Steepest")
 
 
 def reflect(incoming: Expr, normal: Expr) -> Expr:
@@ -91,3 +98,23 @@ def lookup(effects: LookupEffects) -> dict[str, Expr]:
     if effects.outside is Outside.BLACK:
         return {"Direction": corrected, "Weight": weight}
     return {"Direction": mix(reflected, normalize(corrected), weight), "Weight": lift(1.0)}
+
+
+def off_poles() -> dict[str, Expr]:
+    """A direction kept half a texel away from the poles of an equirectangular picture.
+
+    Cycles repeats environment textures over the poles: nearer to one it mixes in the row of the other. STEEPEST is
+    `steepest_slope` of the picture's height.
+
+    Returns:
+        "Direction": world-space vector, not normalised, of the same azimuth.
+    """
+    aside = operation(Op.ADD, DIRECTION, (1e-15, 0.0, 0.0))  # straight up and down have an azimuth too
+    across = aside * STEEPEST * (1.0, 1.0, 0.0)
+    limit = sqrt(dot(across, across))
+    return {"Direction": combine(aside.x, aside.y, clamp(aside.z, limit * -1.0, limit))}
+
+
+def steepest_slope(height: int) -> float:
+    """z over the horizontal length of directions to the first and last row of a picture with `height` rows."""
+    return 1.0 / math.tan(math.pi / (2.0 * height))

@@ -31,7 +31,7 @@ SURFACES = [
 
 
 @pytest.fixture(scope="module")
-def white_world() -> bpy.types.Scene:
+def white_world(addon: None) -> bpy.types.Scene:
     """A plane at the middle of a big probe, in a world of radiance 1."""
     scene = empty_scene()
     background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")

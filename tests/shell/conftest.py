@@ -1,22 +1,15 @@
-"""Tests of the shell command: in this process where only answers matter, in one of its own where exits do."""
+"""These tests run where bpy can be imported; no window is needed."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender as a module (pip install bpy)")
 
 
-@pytest.fixture(scope="session", autouse=True)
-def addon() -> Iterator[None]:
-    """The add-on, registered for the whole session."""
-    import pcc_addon
-
-    pcc_addon.register()
-    yield
-    pcc_addon.unregister()
+@pytest.fixture(autouse=True)
+def _registered(addon: None) -> None:
+    """Every test here has the add-on."""
 
 
 @pytest.fixture

@@ -1,0 +1,45 @@
+"""Write the sample scenes as .blend files beside this script: `python3 dev.py samples`."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+
+import pcc_addon
+
+from . import scenes
+
+FOLDER = Path(__file__).resolve().parent
+
+
+def main() -> None:
+    pcc_addon.register()
+    _save("emissive_room.blend", _emissive_room_with_probe)
+    _save("gallery.blend", scenes.gallery)
+
+
+def _emissive_room_with_probe() -> None:
+    scenes.emissive_room()
+    room = scenes.EMISSIVE_ROOM
+    bpy.ops.pcc.probe_add(
+        name="Room",
+        location=room.centre,
+        rotation=(0.0, 0.0, room.turn),
+        half_extents=room.half_extents,
+        capture_offset=(0.0, 0.0, -0.35),
+    )
+
+
+def _save(name: str, build: Callable[[], object]) -> None:
+    build()
+    path = FOLDER / name
+    with contextlib.suppress(FileNotFoundError):
+        path.unlink()
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)
+
+
+if __name__ == "__main__":
+    main()
