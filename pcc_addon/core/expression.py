@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, auto
+from functools import cached_property
 
 
 class Op(Enum):
@@ -104,7 +105,7 @@ class Operation(Expr):
     op: Op
     args: tuple[Expr, ...]
 
-    @property
+    @cached_property
     def width(self) -> int:
         if self.op in _TO_SCALAR:
             return 1
