@@ -1,0 +1,1 @@
+"""Tests of `pcc_addon.core`: no Blender, seconds altogether."""

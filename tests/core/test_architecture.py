@@ -1,0 +1,90 @@
+"""Rules about who may import whom."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "pcc_addon"
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+CORE = sorted((PACKAGE / "core").glob("*.py"))
+BLENDER_MODULES = {"bpy", "mathutils", "gpu", "bmesh", "bl_ui", "blf", "idprop", "aud", "gpu_extras", "bpy_extras"}
+
+IMPORT_CORE_WITHOUT_BLENDER = """
+import importlib, pkgutil, sys
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in BLOCKED:
+            raise ImportError(name + " is blocked")
+sys.meta_path.insert(0, Blocked())
+import pcc_addon.core
+names = [m.name for m in pkgutil.iter_modules(pcc_addon.core.__path__)]
+for name in names:
+    importlib.import_module("pcc_addon.core." + name)
+print(*names)
+"""
+
+
+def _name(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def _imports(path: Path) -> Iterator[tuple[int, str]]:
+    """(level, dotted name) of everything that a file imports, in functions too; level 0 is absolute."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from ((0, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = f"{node.module}." if node.module else ""
+            yield from ((node.level, base + alias.name) for alias in node.names)
+
+
+def _reads_blender_version(tree: ast.AST) -> bool:
+    """Whether code reads the version as a number; its text (`version_string`) may be shown anywhere."""
+    return any(
+        isinstance(node, ast.Attribute)
+        and node.attr in ("version", "version_file", "version_cycle")
+        and isinstance(node.value, ast.Attribute)
+        and node.value.attr == "app"
+        for node in ast.walk(tree)
+    )
+
+
+def test_the_rules_look_at_real_files() -> None:
+    assert len(CORE) >= 14
+    assert len(SOURCES) > len(CORE)
+
+
+@pytest.mark.parametrize("path", CORE, ids=_name)
+def test_core_imports_nothing_of_blender(path: Path) -> None:
+    assert not [name for level, name in _imports(path) if level == 0 and name.partition(".")[0] in BLENDER_MODULES]
+
+
+@pytest.mark.parametrize("path", CORE, ids=_name)
+def test_core_imports_from_core_only(path: Path) -> None:
+    assert not [name for level, name in _imports(path) if level > 1]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=_name)
+def test_the_package_never_names_itself_absolutely(path: Path) -> None:
+    """An installed extension's package is called bl_ext.<repository>.<id>.pcc_addon."""
+    assert not [name for level, name in _imports(path) if level == 0 and name.partition(".")[0] == "pcc_addon"]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=_name)
+def test_only_compat_asks_which_blender_is_running(path: Path) -> None:
+    reads = _reads_blender_version(ast.parse(path.read_text(encoding="utf-8")))
+    assert reads == (_name(path) == "pcc_addon/blender/compat.py")
+
+
+def test_every_core_module_imports_where_blender_is_missing() -> None:
+    script = f"BLOCKED = {sorted(BLENDER_MODULES)!r}\n{IMPORT_CORE_WITHOUT_BLENDER}"
+    run = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 0, run.stderr
+    assert set(run.stdout.split()) == {path.stem for path in CORE} - {"__init__"}

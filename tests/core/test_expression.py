@@ -1,0 +1,133 @@
+"""Expressions and their evaluation: what the operations mean, in which precision, and how shapes meet."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pcc_addon.core import expression as ex
+from pcc_addon.core.evaluate import evaluate
+
+A, B = ex.scalar("a"), ex.scalar("b")
+U, V = ex.vector("u"), ex.vector("v")
+BOTH_DTYPES = pytest.mark.parametrize("dtype", [np.float32, np.float64])
+dyadic = st.integers(-1024, 1024).map(lambda k: k / 64.0)  # sums and products of these are exact in float64
+triple = st.tuples(dyadic, dyadic, dyadic)
+
+
+def value(expr: ex.Expr, dtype: type = np.float64, **inputs: object) -> np.ndarray:
+    return evaluate({"out": expr}, {name: np.asarray(v, np.float64) for name, v in inputs.items()}, dtype)["out"]
+
+
+@BOTH_DTYPES
+def test_anything_divided_by_zero_is_zero(dtype: type) -> None:
+    numerators = [1.0, -1.0, 0.0, -0.0, 1e30]
+    for zero in (0.0, -0.0):
+        assert (value(A / B, dtype, a=numerators, b=np.full(5, zero)) == 0.0).all()
+    np.testing.assert_array_equal(value(U / V, dtype, u=[6.0, 1.0, 0.0], v=[3.0, 0.0, 0.0]), [2.0, 0.0, 0.0])
+
+
+@BOTH_DTYPES
+def test_the_zero_vector_normalizes_to_zero_and_others_to_unit_length(dtype: type) -> None:
+    out = value(ex.normalize(U), dtype, u=[[0.0, 0.0, 0.0], [3.0, 0.0, -4.0]])
+    np.testing.assert_array_equal(out[0], 0.0)
+    np.testing.assert_allclose(out[1], [0.6, 0.0, -0.8], rtol=4 * np.finfo(dtype).eps)
+
+
+@BOTH_DTYPES
+def test_the_root_of_a_negative_number_is_zero(dtype: type) -> None:
+    np.testing.assert_array_equal(value(ex.sqrt(A), dtype, a=[-4.0, -0.0, 0.0, 9.0]), [0.0, 0.0, 0.0, 3.0])
+
+
+def test_the_sign_of_zero_is_zero() -> None:
+    np.testing.assert_array_equal(value(ex.sign(U), u=[-2.5, 0.0, 7.0]), [-1.0, 0.0, 1.0])
+
+
+@given(triple, triple, dyadic)
+def test_operators_mean_what_python_means_by_them(u: tuple, v: tuple, a: float) -> None:
+    values = {"u": u, "v": v, "a": a}
+    pairs = list(zip(u, v, strict=True))
+    np.testing.assert_array_equal(value(U + V, **values), [p + q for p, q in pairs])
+    np.testing.assert_array_equal(value(U - V, **values), [p - q for p, q in pairs])
+    np.testing.assert_array_equal(value(U * V, **values), [p * q for p, q in pairs])
+    np.testing.assert_array_equal(value(1.0 - A, **values), 1.0 - a)
+    np.testing.assert_array_equal(value(2.0 + A * 3.0, **values), 2.0 + a * 3.0)
+    np.testing.assert_array_equal(value(1.0 / A, **values), 1.0 / a if a else 0.0)
+    np.testing.assert_array_equal(value(ex.absolute(U), **values), [abs(p) for p in u])
+    np.testing.assert_array_equal(value(ex.minimum(U, V), **values), [min(p) for p in pairs])
+    np.testing.assert_array_equal(value(ex.maximum(U, V), **values), [max(p) for p in pairs])
+    np.testing.assert_array_equal(value(ex.multiply_add(U, A, V), **values), [p * a + q for p, q in pairs])
+    np.testing.assert_array_equal(value(ex.dot(U, V), **values), math.fsum(p * q for p, q in pairs))
+    np.testing.assert_array_equal(value(ex.least(U), **values), min(u))
+    np.testing.assert_array_equal(value(ex.greatest(U), **values), max(u))
+    np.testing.assert_array_equal(value(ex.clamp(A), **values), sorted((0.0, a, 1.0))[1])
+    np.testing.assert_array_equal(value(ex.combine(U.z, U.x, U.y), **values), [u[2], u[0], u[1]])
+
+
+@given(dyadic, dyadic)
+def test_mix_gives_its_ends_exactly(a: float, b: float) -> None:
+    assert value(ex.mix(A, B, 0.0), a=a, b=b) == a
+    assert value(ex.mix(A, B, 1.0), a=a, b=b) == b
+    assert value(ex.mix(A, B, 0.5), a=a, b=b) == (a + b) / 2.0
+
+
+def test_a_scalar_stands_for_all_components_of_a_vector() -> None:
+    u = np.arange(12.0).reshape(4, 3)
+    a = np.array([1.0, 10.0, 100.0, 1000.0])
+    expected = np.array([[a[i] * u[i, k] for k in range(3)] for i in range(4)])
+    np.testing.assert_array_equal(value(U * A, u=u, a=a), expected)
+    np.testing.assert_array_equal(value(A * U, u=u, a=a), expected)
+    np.testing.assert_array_equal(value(U * 2.0, u=u), u * 2.0)
+    np.testing.assert_array_equal(value(U + (1.0, 2.0, 3.0), u=u), u + [1.0, 2.0, 3.0])
+
+
+def test_shapes_follow_the_inputs() -> None:
+    u, a = np.ones((5, 4, 3)), np.ones((5, 4))
+    assert value(U * A, u=u, a=a).shape == (5, 4, 3)
+    assert value(ex.dot(U, V), u=u, v=np.ones(3)).shape == (5, 4)
+    assert value(A + B, a=a, b=2.0).shape == (5, 4)
+    assert value(ex.combine(A, B, 0.0), a=a, b=1.0).shape == (5, 4, 3)
+    assert value(ex.combine(1.0, 2.0, 3.0)).shape == (3,)
+    assert value(A, a=2.0).shape == ()
+
+
+def test_every_step_is_rounded_to_the_precision_asked_for() -> None:
+    lost = (A + 1.0) - A
+    assert value(lost, np.float32, a=1e8) == 0.0
+    assert value(lost, np.float64, a=1e8) == 1.0
+    assert value(A - 0.1, np.float32, a=0.1) == 0.0, "inputs and constants are rounded alike"
+    assert value(A * A, np.float32, a=1e30) == np.inf
+
+
+@BOTH_DTYPES
+@pytest.mark.parametrize("op", list(ex.Op))
+def test_no_operation_changes_the_precision(op: ex.Op, dtype: type) -> None:
+    vectors = {ex.Op.NORMALIZE: 1, ex.Op.DOT: 2, ex.Op.COMPONENT_X: 1, ex.Op.COMPONENT_Y: 1, ex.Op.COMPONENT_Z: 1}
+    scalars = {ex.Op.ABSOLUTE: 1, ex.Op.SIGN: 1, ex.Op.SQRT: 1, ex.Op.MULTIPLY_ADD: 3, ex.Op.COMBINE: 3}
+    args = [U, V][: vectors[op]] if op in vectors else [A, B, 2.0][: scalars.get(op, 2)]
+    out = value(ex.operation(op, *args), dtype, u=[1.0, 2.0, 2.0], v=[1.0, 0.0, 0.0], a=0.3, b=0.7)
+    assert out.dtype == dtype
+    assert out.shape == ((3,) if op in (ex.Op.NORMALIZE, ex.Op.COMBINE) else ())
+
+
+def test_widths_are_known_before_anything_is_evaluated() -> None:
+    assert [e.width for e in (A, U, ex.lift(2.0), ex.lift((1.0, 2.0, 3.0)))] == [1, 3, 1, 3]
+    assert [e.width for e in (A + B, A + U, U * A, ex.dot(U, V), U.x, ex.combine(A, A, A))] == [1, 3, 3, 1, 1, 3]
+    assert ex.normalize(U).width == ex.least(U).width * 3 == 3
+
+
+def test_an_expression_used_twice_is_evaluated_once() -> None:
+    """Otherwise this takes 2⁴⁰ additions."""
+    doubled: ex.Expr = A
+    for _ in range(40):
+        doubled = doubled + doubled
+    assert value(doubled, a=3.0) == 3.0 * 2.0**40
+
+
+def test_a_missing_input_is_named() -> None:
+    with pytest.raises(KeyError, match="Box Centre"):
+        evaluate({"out": ex.vector("Box Centre") + 1.0}, {})
