@@ -90,13 +90,13 @@ class Sidecar:
             for name in ("matrix", "capture_point", "clip", "replaced_pixels"):
                 fields[name] = tuple(fields[name])
             return cls(**fields)
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, RecursionError) as error:
             raise BakeError(f"'{origin}' is not a probe's sidecar ({error}); bake the probe again") from error
 
 
 def file_stem(name: str, uid: str) -> str:
     """A file name for a probe that is safe on every system and differs wherever the uid differs."""
-    readable = _UNSAFE.sub("_", name).strip("_")[:40] or "probe"
+    readable = _UNSAFE.sub("_", name).strip("_-")[:40] or "probe"
     return f"{readable}-{hashlib.blake2b(uid.encode(), digest_size=4).hexdigest()}"
 
 

@@ -1,0 +1,187 @@
+"""The file beside the pictures: what is written comes back, what is damaged is refused, names are safe."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pcc_addon.core.cubemap import FACES
+from pcc_addon.core.errors import BakeError
+from pcc_addon.core.sidecar import VERSION, Level, Sidecar, file_stem, level_file, move_into_place
+
+RECORD = Sidecar(
+    probe="Höhle / 洞窟",
+    uid="5b0c",
+    matrix=(2.0, 0.0, 0.0, 0.1, 0.0, -3.0, 0.0, 1e-9, 0.0, 0.0, 1.5, 1e6, 0.0, 0.0, 0.0, 1.0),
+    capture_point=(0.1, 0.2, 1 / 3),
+    resolution=512,
+    samples=64,
+    engine="CYCLES",
+    denoise=True,
+    clip=(0.01, 1000.0),
+    seconds=12.5,
+    content_hash="abc123",
+    blender="5.2.3",
+    addon="0.1.0",
+    levels=(Level(0.0, "a.exr", 2048, 1024), Level(0.3, "b.exr", 512, 256)),
+    replaced_pixels=("face +X: 1 negative pixels were replaced",),
+)
+
+
+def edited(**changes: object) -> str:
+    document = {**json.loads(RECORD.to_json()), **changes}
+    return json.dumps({key: value for key, value in document.items() if value is not ...})
+
+
+def refusal(text: str) -> str:
+    with pytest.raises(BakeError) as caught:
+        Sidecar.from_json(text, "hall.json")
+    message = str(caught.value)
+    assert "'hall.json'" in message
+    assert "\n" not in message
+    assert "bake" in message, "it says what to do"
+    return message
+
+
+def test_what_is_written_comes_back() -> None:
+    assert Sidecar.from_json(RECORD.to_json(), "here") == RECORD
+
+
+@settings(max_examples=25)
+@given(
+    probe=st.text(),
+    numbers=st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 3),
+    levels=st.lists(
+        st.builds(Level, st.floats(0.0, 1.0), st.text(), st.integers(1, 9999), st.integers(1, 9999)), max_size=3
+    ),
+    words=st.lists(st.text(), max_size=3),
+)
+def test_any_record_comes_back_digit_for_digit(probe: str, numbers: tuple, levels: list, words: list) -> None:
+    record = dataclasses.replace(
+        RECORD, probe=probe, capture_point=numbers, levels=tuple(levels), replaced_pixels=tuple(words)
+    )
+    assert Sidecar.from_json(record.to_json(), "here") == record
+
+
+def test_the_text_explains_itself_to_other_programs() -> None:
+    document = json.loads(RECORD.to_json())
+    assert document["format"] == "parallax-probe"
+    assert document["version"] == VERSION
+    faces = document["convention"]["faces"]
+    assert [face["name"] for face in faces] == [face.name for face in FACES]
+    assert [tuple(face["up"]) for face in faces] == [face.up for face in FACES]
+
+
+def test_what_a_later_release_of_this_version_adds_is_ignored() -> None:
+    assert Sidecar.from_json(edited(mood="sunny"), "here") == RECORD
+
+
+@pytest.mark.parametrize("version", [VERSION + 1, VERSION + 100])
+def test_a_later_version_is_refused_before_anything_else_of_it_is_read(version: int) -> None:
+    assert "later version" in refusal(edited(version=version, levels="packed differently", matrix=...))
+
+
+@pytest.mark.parametrize("key", ["format", "version", *(f.name for f in dataclasses.fields(Sidecar))])
+def test_a_record_with_something_missing_is_refused(key: str) -> None:
+    assert key in refusal(edited(**{key: ...}))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "not json",
+        "{",
+        "[]",
+        "null",
+        "7",
+        '"parallax-probe"',
+        "{}",
+        "[" * 100_000,
+        edited(format="something else"),
+        edited(version="1"),
+        edited(version=None),
+        edited(levels=None),
+        edited(levels=[3]),
+        edited(levels=[{"roughness": 0.5}]),
+        edited(levels=[{"roughness": 0.5, "file": "f", "width": 2, "height": 1, "depth": 3}]),
+        edited(matrix=None),
+        edited(clip=5.0),
+    ],
+    ids=lambda text: text[:20],
+)
+def test_damaged_text_is_refused_in_one_line(text: str) -> None:
+    refusal(text)
+
+
+def test_text_cut_off_anywhere_is_refused() -> None:
+    text = RECORD.to_json().rstrip()
+    for length in range(0, len(text), 31):
+        refusal(text[:length])
+
+
+SAFE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,62}")
+RESERVED = {"CON", "PRN", "AUX", "NUL", *(f"{port}{n}" for port in ("COM", "LPT") for n in "0123456789¹²³")}
+
+
+@given(st.one_of(st.text(), st.text(alphabet='-_./\\:*?"<>| aé\n\0', max_size=60)), st.text(max_size=40))
+def test_a_stem_is_a_safe_file_name_on_every_system(name: str, uid: str) -> None:
+    assert SAFE.fullmatch(file_stem(name, uid))
+
+
+@pytest.mark.parametrize(
+    "name", [*sorted(RESERVED), "con.txt", "nul", "COM1.exr", "..", "-rf", "~", "a" * 5000, "", " "]
+)
+def test_names_with_a_meaning_of_their_own_lose_it(name: str) -> None:
+    stem = file_stem(name, "5b0c")
+    assert SAFE.fullmatch(stem)
+    assert level_file(stem, 0.5).split(".")[0].upper() not in RESERVED
+
+
+def test_a_readable_name_can_still_be_read() -> None:
+    assert file_stem("Living Room.001", "5b0c").startswith("Living_Room_001-")
+
+
+def test_different_probes_never_share_a_stem_and_one_probe_keeps_its() -> None:
+    uids = [f"{k:032x}" for k in range(3000)]
+    stems = {file_stem("Probe", uid) for uid in uids}
+    assert len({stem.lower() for stem in stems}) == len(uids)
+    assert file_stem("Probe", "a") == file_stem("Probe", "a")
+    assert file_stem("x" * 100 + "1", "a") != file_stem("x" * 100 + "1", "b")
+    assert file_stem("洞", "a") != file_stem("穴", "b")
+
+
+def test_levels_told_apart_by_four_digits_have_files_of_their_own_in_order() -> None:
+    files = [level_file("stem", k / 10000) for k in range(10001)]
+    assert len(set(files)) == len(files)
+    assert files == sorted(files)
+    assert {Path(file).suffix for file in files} == {".exr"}
+
+
+def test_finished_files_replace_the_old_ones(tmp_path: Path) -> None:
+    parts, target = tmp_path / "parts", tmp_path / "target"
+    for folder, text in ((parts, "new"), (target, "old")):
+        folder.mkdir()
+        for name in ("a.exr", "a.json"):
+            (folder / name).write_text(text)
+    move_into_place(parts, target, ["a.exr", "a.json"])
+    assert sorted(path.name for path in target.iterdir()) == ["a.exr", "a.json"]
+    assert {path.read_text() for path in target.iterdir()} == {"new"}
+    assert not list(parts.iterdir())
+
+
+def test_where_a_picture_is_missing_the_record_is_not_replaced(tmp_path: Path) -> None:
+    """The record goes last, so it never describes pictures that are not there."""
+    parts, target = tmp_path / "parts", tmp_path / "target"
+    parts.mkdir(), target.mkdir()
+    (parts / "a.json").write_text("new")
+    (target / "a.json").write_text("old")
+    with pytest.raises(FileNotFoundError):
+        move_into_place(parts, target, ["a.exr", "a.json"])
+    assert (target / "a.json").read_text() == "old"
