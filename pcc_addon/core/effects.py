@@ -56,7 +56,8 @@ class SurfaceEffects:
 
     Attributes:
         roughness: the lobe's constant roughness, 0 … 1 (alpha = roughness²).
-        dielectric: the dielectric lobe, or None where the surface is a pure metal.
+        dielectric: the dielectric lobe, or None where there is none: a pure metal, or no specular reflection
+            beside the metal's.
         metal: whether a metallic lobe is called for.
         multiscatter: whether the lobe keeps the energy of multiple scattering.
     """

@@ -18,7 +18,6 @@ from .effects import DielectricLobe, SurfaceEffects
 from .expression import (
     Expr,
     clamp,
-    combine,
     dot,
     greatest,
     lift,
@@ -137,7 +136,8 @@ def _dielectric(cosine: Expr, lobe: DielectricLobe, effects: SurfaceEffects) -> 
         b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
         fresnel = minimum(0.5 * a * a * (1.0 + b * b), 1.0)
         start = f0_from_ior(lobe.eta)
-        return mix(f0, 1.0, (fresnel - start) / (1.0 - start))
+        # The curve of a high index dips below its start, which must not make a black tint negative.
+        return maximum(mix(f0, 1.0, (fresnel - start) / (1.0 - start)), 0.0)
     coefficients, average = _fit(effects.roughness, lobe.eta)
     terms = _horner(cosine, coefficients)
     single = multiply_add(f0, terms.x, terms.y)
@@ -166,17 +166,13 @@ def surface(effects: SurfaceEffects) -> dict[str, Expr]:
         "Reflection": the radiance that the specular lobe sends to the eye; "Diffuse Color": the base colour
         that is left for a BSDF without specular and metal. Both are linear colours.
     """
-    cosine = clamp(dot(NORMAL, INCOMING))
-    reflectance, left = lift((0.0, 0.0, 0.0)), lift(0.0)
+    cosine = clamp(dot(NORMAL, INCOMING), 1e-12)  # at 0 and below the critical angle Fresnel's terms are 0/0
+    reflectance, left = lift((0.0, 0.0, 0.0)), lift(1.0)
     if effects.dielectric:
         reflectance = _dielectric(cosine, effects.dielectric, effects)
         left = 1.0 - minimum(greatest(reflectance), 1.0)
     if effects.metal:
         metal = _metal(cosine, effects)
-        if effects.dielectric:
-            reflectance = mix(reflectance, metal, METALLIC)
-            left = left * (1.0 - METALLIC)
-        else:
-            reflectance = metal
-    diffuse = BASE_COLOR * left if effects.dielectric else combine(0.0, 0.0, 0.0)
-    return {"Reflection": RADIANCE * reflectance, "Diffuse Color": diffuse}
+        reflectance = mix(reflectance, metal, METALLIC) if effects.dielectric else metal * METALLIC
+        left = left * (1.0 - METALLIC)
+    return {"Reflection": RADIANCE * reflectance, "Diffuse Color": BASE_COLOR * left}

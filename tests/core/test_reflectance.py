@@ -1,0 +1,264 @@
+"""How much a surface reflects: Fresnel by mpmath, integrals by quadrature, furnaces for energy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import mpmath
+import numpy as np
+import pytest
+
+from pcc_addon.core.effects import DielectricLobe, SurfaceEffects
+from pcc_addon.core.evaluate import evaluate
+from pcc_addon.core.ggx import directional_averages
+from pcc_addon.core.reflectance import (
+    dielectric_lobe,
+    f0_from_ior,
+    fresnel_dielectric,
+    ior_from_f0,
+    surface,
+)
+
+COSINES = np.concatenate([[0.0, 1e-6, 0.001], np.linspace(0.02, 1.0, 29)])
+WHITE = (1.0, 1.0, 1.0)
+ROUGHNESSES = [0.0, 0.05, 0.2, 0.5, 1.0]
+
+
+def fresnel(cosine: float, eta: float) -> float:
+    """Mean of the squared amplitudes of both polarisations; beyond the critical angle the root is imaginary."""
+    with mpmath.workdps(30):
+        c, n = mpmath.mpf(float(cosine)), mpmath.mpf(float(eta))
+        root = mpmath.sqrt(n * n - 1 + c * c)
+        s = (c - root) / (c + root)
+        p = (n * n * c - root) / (n * n * c + root)
+        return float((abs(s) ** 2 + abs(p) ** 2) / 2)
+
+
+def lobe(ior: float, level: float | None = 0.5) -> DielectricLobe:
+    found = dielectric_lobe(ior, level)
+    assert found is not None
+    return found
+
+
+def light(
+    effects: SurfaceEffects,
+    cosines: np.ndarray = COSINES,
+    base: tuple = WHITE,
+    metallic: float = 0.0,
+    level: float = 0.5,
+    tint: tuple = WHITE,
+    dtype: type = np.float64,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Reflectance (n, 3) and the colour left for the diffuse part (n, 3), by the cosine of the view."""
+    sine = np.sqrt(np.maximum(1.0 - cosines**2, 0.0))
+    inputs = {
+        "Radiance": np.ones(3),
+        "Base Color": np.array(base),
+        "Metallic": metallic,
+        "Specular IOR Level": level,
+        "Specular Tint": np.array(tint),
+        "Normal": np.array([0.0, 0.0, 1.0]),
+        "Incoming": np.stack([sine, np.zeros_like(sine), cosines], -1),
+    }
+    found = evaluate(surface(effects), inputs, dtype)
+    shape = (len(cosines), 3)
+    return np.broadcast_to(found["Reflection"], shape), np.broadcast_to(found["Diffuse Color"], shape)
+
+
+def dielectric(roughness: float, ior: float = 1.5, level: float | None = 0.5, multiscatter: bool = False):
+    return SurfaceEffects(roughness, lobe(ior, level), metal=False, multiscatter=multiscatter)
+
+
+def metal(roughness: float, multiscatter: bool = False) -> SurfaceEffects:
+    return SurfaceEffects(roughness, None, metal=True, multiscatter=multiscatter)
+
+
+def test_the_reflectance_at_normal_incidence_and_the_index_are_inverses() -> None:
+    assert f0_from_ior(1.5) == pytest.approx(0.04)
+    assert f0_from_ior(1.0) == 0.0
+    for ior in (1.0, 1.1, 1.5, 2.4, 10.0):
+        assert ior_from_f0(f0_from_ior(ior)) == pytest.approx(ior)
+        assert f0_from_ior(1.0 / ior) == pytest.approx(f0_from_ior(ior))
+
+
+@pytest.mark.parametrize("eta", [0.4, 0.75, 1.01, 1.33, 1.5, 2.4, 8.0])
+def test_the_fresnel_curve_is_fresnels(eta: float) -> None:
+    cosines = COSINES[1:]
+    expected = [fresnel(c, eta) for c in cosines]
+    np.testing.assert_allclose(fresnel_dielectric(cosines, eta), expected, rtol=1e-8, atol=1e-12)
+
+
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-8), (np.float32, 1e-5)])
+@pytest.mark.parametrize("ior", [0.5, 0.75, 1.01, 1.33, 1.5, 2.4, 8.0])
+def test_a_mirror_dielectric_reflects_what_fresnel_says(ior: float, dtype: type, tolerance: float) -> None:
+    """At cosine 0 too, where perturbed normals that face away from the eye end."""
+    critical = np.sqrt(max(0.0, 1.0 - ior * ior))
+    cosines = COSINES[np.abs(COSINES - critical) > 1e-3] if critical else COSINES  # the curve is vertical there
+    reflected, left = light(dielectric(0.0, ior), cosines, dtype=dtype)
+    expected = np.array([[fresnel(c, ior)] * 3 for c in cosines])
+    np.testing.assert_allclose(reflected, expected, atol=tolerance)
+    np.testing.assert_allclose(left, 1.0 - expected, atol=tolerance)
+
+
+def lobe_integral(roughness: float, eta: float, curve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    return directional_averages(COSINES[3:], roughness, [curve])[0]
+
+
+@pytest.mark.parametrize("roughness", [0.05, 0.1, 0.2, 0.5, 1.0])
+@pytest.mark.parametrize("ior", [1.1, 1.5, 2.5])
+def test_a_rough_dielectric_reflects_the_fresnel_curve_averaged_over_its_lobe(ior: float, roughness: float) -> None:
+    reflected, left = light(dielectric(roughness, ior), COSINES[3:])
+    expected = lobe_integral(roughness, ior, lambda c: fresnel_dielectric(c, ior))
+    error = np.abs(reflected - expected[:, None]).max(-1)
+    assert error.max() < (0.04 if roughness < 0.2 else 0.015), "a polynomial of degree 6"
+    assert error[COSINES[3:] > 0.06].max() < 0.03
+    np.testing.assert_allclose(left, 1.0 - reflected, atol=1e-12)
+
+
+@pytest.mark.parametrize("roughness", [0.1, 0.2, 0.4, 1.0])
+@pytest.mark.parametrize("base", [0.0, 0.5, 1.0])
+def test_a_rough_metal_reflects_schlicks_curve_averaged_over_its_lobe(base: float, roughness: float) -> None:
+    reflected, _ = light(metal(roughness), COSINES[3:], base=(base,) * 3, metallic=1.0)
+    expected = lobe_integral(roughness, 1.0, lambda c: base + (1.0 - base) * (1.0 - c) ** 5)
+    np.testing.assert_allclose(reflected, expected[:, None].repeat(3, 1), atol=0.04 if roughness < 0.3 else 0.01)
+
+
+@pytest.mark.parametrize("multiscatter", [False, True])
+@pytest.mark.parametrize("roughness", ROUGHNESSES)
+@pytest.mark.parametrize("ior", [0.75, 1.01, 1.5, 4.0])
+def test_a_white_dielectric_in_a_white_furnace_gives_no_more_than_it_gets(
+    ior: float, roughness: float, multiscatter: bool
+) -> None:
+    for level, tint in ((0.5, WHITE), (1.0, WHITE), (0.5, (1.0, 0.2, 0.0)), (0.0, WHITE)):
+        effects = dielectric(roughness, ior, None, multiscatter)
+        reflected, left = light(effects, level=level, tint=tint)
+        assert (reflected + left).max() <= 1.0 + 1e-9
+        assert reflected.min() >= 0.0
+        assert left.min() >= 0.0
+
+
+@pytest.mark.parametrize("roughness", ROUGHNESSES)
+def test_a_white_metal_in_a_white_furnace_gives_all_back(roughness: float) -> None:
+    reflected, left = light(metal(roughness, multiscatter=True), COSINES[3:], metallic=1.0)
+    np.testing.assert_allclose(reflected, 1.0, atol=0.01)
+    np.testing.assert_allclose(left, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("roughness", [0.3, 0.6, 1.0])
+def test_multiple_scattering_gives_back_what_single_scattering_loses(roughness: float) -> None:
+    for make, metallic in ((metal, 1.0), (dielectric, 0.0)):
+        base = (0.9, 0.5, 0.1)
+        once, _ = light(make(roughness), COSINES[3:], base=base, metallic=metallic)
+        often, _ = light(make(roughness, multiscatter=True), COSINES[3:], base=base, metallic=metallic)
+        assert (often >= once - 1e-12).all()
+        assert (often - once).max() > 0.001
+    once, _ = light(metal(roughness), COSINES[3:], base=(0.9, 0.5, 0.1), metallic=1.0)
+    often, _ = light(metal(roughness, multiscatter=True), COSINES[3:], base=(0.9, 0.5, 0.1), metallic=1.0)
+    gain = (often / once)[-1]
+    assert gain[0] > gain[1] > gain[2], "each bounce takes on the metal's colour again"
+
+
+def test_a_mirror_metal_starts_at_its_colour_and_ends_white() -> None:
+    base = (0.9, 0.5, 0.1)
+    reflected, _ = light(metal(0.0), np.array([1.0, 0.0]), base=base, metallic=1.0)
+    np.testing.assert_allclose(reflected, [base, WHITE], atol=1e-12)
+
+
+def test_a_metals_tint_is_its_colour_at_82_degrees_and_nowhere_else() -> None:
+    """F82: at a cosine of 1/7 the tint multiplies Schlick's curve; both ends stay."""
+    base, tint = (0.9, 0.5, 0.1), (0.25, 0.5, 1.0)
+    cosines = np.array([1.0, 1.0 / 7.0, 0.0])
+    plain, _ = light(metal(0.0), cosines, base=base, metallic=1.0)
+    tinted, _ = light(metal(0.0), cosines, base=base, metallic=1.0, tint=tint)
+    np.testing.assert_allclose(tinted / plain, [WHITE, tint, WHITE], atol=1e-9)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.3, 0.8])
+def test_the_specular_tint_colours_a_dielectric_in_normal_view(roughness: float) -> None:
+    face_on, grazing = np.array([1.0]), np.array([0.0])
+    tint = (1.0, 0.5, 0.0)
+    plain, _ = light(dielectric(roughness), face_on)
+    tinted, _ = light(dielectric(roughness), face_on, tint=tint)
+    black = tinted[0, 2]
+    np.testing.assert_allclose((tinted[0] - black) / (plain[0] - black), tint, atol=1e-9)
+    assert black < 0.02
+    if roughness == 0.0:
+        assert black == pytest.approx(0.0, abs=1e-12)
+        reflected, _ = light(dielectric(0.0), grazing, tint=tint)
+        np.testing.assert_allclose(reflected, 1.0, atol=1e-9)
+
+
+def test_the_brightest_channel_decides_what_is_left_for_the_diffuse_part() -> None:
+    base = (0.8, 0.4, 0.2)
+    reflected, left = light(dielectric(0.0), base=base, tint=(1.0, 0.5, 0.0))
+    np.testing.assert_allclose(left, np.multiply(base, 1.0 - reflected.max(-1, keepdims=True)), atol=1e-12)
+
+
+@pytest.mark.parametrize("level", [0.1, 0.5, 0.8, 1.0])
+def test_the_specular_level_scales_the_reflectance_in_normal_view(level: float) -> None:
+    reflected, _ = light(dielectric(0.0, 1.5, level), np.array([1.0]), level=level)
+    np.testing.assert_allclose(reflected, 2.0 * level * 0.04, rtol=1e-9)
+    varying, _ = light(dielectric(0.0, 1.5, None), np.array([1.0]), level=level)
+    np.testing.assert_allclose(varying, 2.0 * level * 0.04, rtol=1e-9)
+
+
+def test_a_constant_specular_level_follows_the_fresnel_curve_of_its_own_index() -> None:
+    level = 0.9
+    own = ior_from_f0(f0_from_ior(1.5) * 2.0 * level)
+    reflected, _ = light(dielectric(0.0, 1.5, level), COSINES, level=level)
+    np.testing.assert_allclose(reflected[:, 0], [fresnel(c, own) for c in COSINES], atol=1e-9)
+    assert dielectric_lobe(0.8, 0.9).eta < 0.8 < 1.0 < dielectric_lobe(1.25, 0.9).eta
+
+
+def test_what_reflects_nothing_has_no_lobe() -> None:
+    assert dielectric_lobe(1.5, 0.0) is None
+    assert dielectric_lobe(1.0, 0.5) is None
+    assert dielectric_lobe(1.0, None) is None
+    assert dielectric_lobe(1.5, None) == DielectricLobe(1.5, 1.5)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.4])
+@pytest.mark.parametrize("metallic", [0.0, 0.3, 1.0])
+def test_metallic_mixes_a_dielectric_with_a_metal(metallic: float, roughness: float) -> None:
+    base = (0.8, 0.4, 0.2)
+    both = SurfaceEffects(roughness, lobe(1.5), metal=True, multiscatter=True)
+    reflected, left = light(both, base=base, metallic=metallic)
+    plastic, plastic_left = light(dielectric(roughness, multiscatter=True), base=base)
+    steel, _ = light(metal(roughness, multiscatter=True), base=base, metallic=1.0)
+    np.testing.assert_allclose(reflected, (1.0 - metallic) * plastic + metallic * steel, atol=1e-12)
+    np.testing.assert_allclose(left, (1.0 - metallic) * plastic_left, atol=1e-12)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.4])
+@pytest.mark.parametrize("metallic", [0.0, 0.3, 1.0])
+def test_metallic_counts_where_the_dielectric_part_reflects_nothing(metallic: float, roughness: float) -> None:
+    """Specular level 0, or an IOR of 1, under a metallic map: the unmetallic part is plain diffuse."""
+    base = (0.8, 0.4, 0.2)
+    reflected, left = light(metal(roughness), base=base, metallic=metallic)
+    full, _ = light(metal(roughness), base=base, metallic=1.0)
+    np.testing.assert_allclose(reflected, metallic * full, atol=1e-12)
+    np.testing.assert_allclose(left, np.broadcast_to((1.0 - metallic) * np.array(base), left.shape), atol=1e-12)
+
+
+def test_a_normal_that_faces_away_counts_as_grazing() -> None:
+    for effects in (dielectric(0.0), dielectric(0.3), metal(0.0), metal(0.3)):
+        away, _ = light(effects, np.array([-0.5, -1.0]), metallic=1.0)
+        grazing, _ = light(effects, np.array([0.0, 0.0]), metallic=1.0)
+        np.testing.assert_allclose(away, grazing)
+
+
+def test_reflection_is_radiance_times_reflectance() -> None:
+    effects = dielectric(0.3)
+    inputs = {
+        "Base Color": np.array(WHITE),
+        "Specular IOR Level": 0.5,
+        "Specular Tint": np.array(WHITE),
+        "Normal": np.array([0.0, 0.0, 1.0]),
+        "Incoming": np.array([0.6, 0.0, 0.8]),
+    }
+    one, many = (
+        evaluate(surface(effects), {**inputs, "Radiance": np.array(v)}, np.float64)
+        for v in ([1.0, 1.0, 1.0], [3.0, 0.0, 500.0])
+    )
+    np.testing.assert_allclose(many["Reflection"], one["Reflection"] * [3.0, 0.0, 500.0])
+    np.testing.assert_array_equal(many["Diffuse Color"], one["Diffuse Color"])
