@@ -82,7 +82,7 @@ def test_a_scalar_stands_for_all_components_of_a_vector() -> None:
     np.testing.assert_array_equal(value(U * A, u=u, a=a), expected)
     np.testing.assert_array_equal(value(A * U, u=u, a=a), expected)
     np.testing.assert_array_equal(value(U * 2.0, u=u), u * 2.0)
-    np.testing.assert_array_equal(value(U + (1.0, 2.0, 3.0), u=u), u + [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(value(ex.lift((1.0, 2.0, 3.0)) + U, u=u), np.array([1.0, 2.0, 3.0]) + u)
 
 
 def test_shapes_follow_the_inputs() -> None:

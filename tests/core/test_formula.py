@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pcc_addon.core import formula
@@ -271,6 +271,7 @@ half_extent = st.floats(1e-3, 1e3)
 
 
 @pytest.mark.parametrize("effects", ALL_EFFECTS, ids=lambda e: f"{e.correction.value}-{e.outside.value}")
+@settings(max_examples=60)
 @given(
     incoming=unit_vector,
     normal=unit_vector,
