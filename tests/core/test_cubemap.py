@@ -48,6 +48,12 @@ def test_upright_faces_have_the_worlds_up() -> None:
         assert face.up == (0, 0, 1)
 
 
+def test_the_upper_and_the_lower_face_are_the_plus_y_camera_pitched_by_a_right_angle() -> None:
+    front, above, below = FACES[2], FACES[4], FACES[5]
+    assert (above.forward, above.right, above.up) == (front.up, front.right, tuple(-c for c in front.forward))
+    assert (below.forward, below.right, below.up) == (tuple(-c for c in front.up), front.right, front.forward)
+
+
 @EACH_FACE
 @pytest.mark.parametrize("overscan", [0, 2])
 def test_texels_lie_where_a_camera_would_put_their_directions(face: Face, overscan: int) -> None:

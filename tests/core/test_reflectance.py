@@ -132,7 +132,8 @@ def test_a_white_dielectric_in_a_white_furnace_gives_no_more_than_it_gets(
     for level, tint in ((0.5, WHITE), (1.0, WHITE), (0.5, (1.0, 0.2, 0.0)), (0.0, WHITE)):
         effects = dielectric(roughness, ior, None, multiscatter)
         reflected, left = light(effects, level=level, tint=tint)
-        assert (reflected + left).max() <= 1.0 + 1e-9
+        overshoot = 1e-9 if roughness == 0.0 else 2e-3  # of the fitted polynomials
+        assert (reflected + left).max() <= 1.0 + overshoot
         assert reflected.min() >= 0.0
         assert left.min() >= 0.0
 
@@ -190,7 +191,7 @@ def test_the_specular_tint_colours_a_dielectric_in_normal_view(roughness: float)
 
 def test_the_brightest_channel_decides_what_is_left_for_the_diffuse_part() -> None:
     base = (0.8, 0.4, 0.2)
-    reflected, left = light(dielectric(0.0), base=base, tint=(1.0, 0.5, 0.0))
+    reflected, left = light(dielectric(0.0), base=base, tint=(0.2, 0.5, 1.0))
     np.testing.assert_allclose(left, np.multiply(base, 1.0 - reflected.max(-1, keepdims=True)), atol=1e-12)
 
 
