@@ -15,6 +15,7 @@ from . import node_builder
 
 VERSION = 1
 _TAG, _VERSION = "pcc", "pcc_version"  # custom properties of groups and nodes that are ours
+_BUILT_FOR = "pcc_built_for"  # the matrix of the probe when its group was built
 _LOOKUP, _SURFACE, _GUARD = "Lookup, ", "Surface, ", "Off Poles"
 
 # Entries of the probe's object-to-world matrix, by the names that the driver expressions give them: a b c is the
@@ -92,7 +93,7 @@ def level_output(roughness: float) -> str:
 
 
 def build_probe_group(
-    probe: bpy.types.Object, spec: ProbeSpec, capture_point: tuple[float, float, float]
+    probe: bpy.types.Object, spec: ProbeSpec, effects: LookupEffects, capture_point: tuple[float, float, float]
 ) -> bpy.types.ShaderNodeTree:
     """Build or rebuild a probe's group: box, capture point and pictures in, one radiance per level out.
 
@@ -106,6 +107,7 @@ def build_probe_group(
         probe.pcc_probe.group = tree
     tree.nodes.clear()
     tree.animation_data_clear()
+    tree[_BUILT_FOR] = _matrix(probe)
     levels = [level_output(level.roughness) for level in probe.pcc_probe.levels]
     node_builder.declare_sockets(tree, "OUTPUT", dict.fromkeys(levels, "NodeSocketColor"))
     node_builder.declare_sockets(tree, "INPUT", {"Normal": "NodeSocketVector"})
@@ -113,7 +115,7 @@ def build_probe_group(
     nodes, links = tree.nodes, tree.links
     source, sink = nodes.new("NodeGroupInput"), nodes.new("NodeGroupOutput")
     geometry, find = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeGroup")
-    find.node_tree = lookup_group(spec.effects)
+    find.node_tree = lookup_group(effects)
     find.label = "Lookup"
     given = {
         "Position": geometry.outputs["Position"],
@@ -145,7 +147,7 @@ def build_probe_group(
         links.new(find.outputs["Direction"], guard.inputs["Direction"])
         links.new(guard.outputs["Direction"], picture.inputs["Vector"])
         radiance = picture.outputs["Color"]
-        if spec.corrected and spec.outside is Outside.BLACK:
+        if effects.outside is Outside.BLACK:
             fade = nodes.new("ShaderNodeVectorMath")
             fade.operation = "SCALE"
             fade.location = (560, -280 * k)
@@ -155,6 +157,15 @@ def build_probe_group(
         links.new(radiance, sink.inputs[level_output(level.roughness)])
     source.location, geometry.location, sink.location = (-850, 0), (-850, -200), (800, 0)
     return tree
+
+
+def was_moved(probe: bpy.types.Object) -> bool:
+    """Whether a probe stands elsewhere than when its group was built."""
+    return list(probe.pcc_probe.group.get(_BUILT_FOR, ())) != _matrix(probe)
+
+
+def _matrix(probe: bpy.types.Object) -> list[float]:
+    return [float(value) for row in probe.matrix_world for value in row]
 
 
 def _owner(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:

@@ -12,9 +12,9 @@ from .probes import probe_spec
 
 @bpy.app.handlers.persistent
 def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Give a probe that was turned, or turned back, the lookup that its new orientation calls for.
+    """Give a probe that was moved the lookup that holds wherever it is now; the next injection specialises it again.
 
-    Moving and scaling need no help: drivers follow the box.
+    Drivers follow the box; what they cannot follow is that it was unrotated, or held all surfaces.
     """
     for update in depsgraph.updates:
         probe = update.id.original
@@ -22,8 +22,10 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
             continue
         if not probe.pcc_probe.is_probe or probe.library or probe.pcc_probe.group is None:
             continue
+        if not groups.was_moved(probe):
+            continue
         try:
-            if groups.shown_effects(probe.pcc_probe.group) != probe_spec(probe).effects.label:
+            if groups.shown_effects(probe.pcc_probe.group) != probe_spec(probe).effects(all_inside=False).label:
                 refresh_group(probe)
         except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
             continue

@@ -61,7 +61,7 @@ def inject(
     folder = bake_folder(scene)
     for spec in specs:
         ensure_levels(probes[spec.name], found.roughnesses(spec.name), folder)
-        refresh_group(probes[spec.name])
+        refresh_group(probes[spec.name], objects is None and found.all_inside(spec.name))
     for receiver in found.receivers:
         twin.remove_twins(receiver.material)
         group = probes[receiver.probe].pcc_probe.group

@@ -109,11 +109,17 @@ def missing_files(probe: bpy.types.Object) -> list[str]:
     return [str(path) for path in paths if not path.is_file()]
 
 
-def refresh_group(probe: bpy.types.Object) -> None:
-    """Rebuild the group of a baked probe after its settings or the add-on's version changed."""
+def refresh_group(probe: bpy.types.Object, all_inside: bool = False) -> None:
+    """Rebuild the group of a baked probe after its settings, its surroundings or the add-on's version changed.
+
+    Args:
+        probe: the probe object.
+        all_inside: whether no surface that shows it leaves its box; where nobody has looked, False is always right.
+    """
     record = bake_record(probe)
     if record is not None:
-        groups.build_probe_group(probe, probe_spec(probe), record.capture_point)
+        spec = probe_spec(probe)
+        groups.build_probe_group(probe, spec, spec.effects(all_inside), record.capture_point)
 
 
 def _folder_for_parts(stack: ExitStack, folder: Path | None) -> Path:
@@ -163,7 +169,7 @@ def _show(probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, 
         level = settings.levels.add()
         level.roughness, level.image = roughness, images[roughness]
     settings.bake_record = record.to_json()
-    groups.build_probe_group(probe, probe_spec(probe), record.capture_point)
+    refresh_group(probe)
     for image in before - set(images.values()):
         if image.users == 0:
             bpy.data.images.remove(image)

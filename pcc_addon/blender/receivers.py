@@ -22,12 +22,14 @@ class Receiver:
         material: the material.
         probe: the name of the probe that most of its objects are nearest to.
         effects: what its surfaces call for.
+        all_inside: whether all its objects lie within the probe's box and padding.
         others: names of further probes whose influence its objects reach.
     """
 
     material: bpy.types.Material
     probe: str
     effects: frozenset[SurfaceEffects]
+    all_inside: bool
     others: tuple[str, ...] = ()
 
     @property
@@ -48,6 +50,10 @@ class Survey:
     receivers: tuple[Receiver, ...]
     left_alone: tuple[str, ...]
 
+    def all_inside(self, probe: str) -> bool:
+        """Whether no surface that shows this probe leaves its box and padding."""
+        return all(receiver.all_inside for receiver in self.receivers if receiver.probe == probe)
+
     def roughnesses(self, probe: str) -> set[float]:
         """The levels that the materials of one probe read."""
         return {r for receiver in self.receivers if receiver.probe == probe for r in receiver.roughnesses}
@@ -62,9 +68,11 @@ def survey(
     """Find the materials that `probes` can light, on all objects that are rendered or only on `objects`."""
     chosen = None if objects is None else set(objects)
     votes: dict[bpy.types.Material, dict[str, float]] = {}
+    leaving: dict[bpy.types.Material, set[str]] = {}
     for item, material, corners in scene_surfaces(view_layer):
         if chosen is not None and item not in chosen:
             continue
+        leaving.setdefault(material, set()).update(p.name for p in probes if not p.contains(corners))
         reached = [probe for probe in probes if probe.overlaps(corners)]
         for probe in reached:
             tally = votes.setdefault(material, {})
@@ -78,7 +86,9 @@ def survey(
             left_alone.append(f"material '{material.name}' {why}; left as it is")
             continue
         if effects:
-            receivers.append(Receiver(material, ranked[0], frozenset(effects), tuple(ranked[1:])))
+            receivers.append(
+                Receiver(material, ranked[0], frozenset(effects), ranked[0] not in leaving[material], tuple(ranked[1:]))
+            )
     return Survey(tuple(receivers), tuple(left_alone))
 
 

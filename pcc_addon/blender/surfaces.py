@@ -87,9 +87,13 @@ def leaf_effects(
     metallic = constant(inputs["Metallic"], scope)
     level = constant(inputs["Specular IOR Level"], scope)
     ior = constant(inputs["IOR"], scope)
+    tint = constant(inputs["Specular Tint"], scope)
+    tinted = tint is None or tint[:3] != (1.0, 1.0, 1.0)
     if ior is None:
         raise Unhandled(f"has a varying IOR ('{node.name}')")
-    dielectric = None if metallic is not None and metallic >= 1.0 else dielectric_lobe(ior, level)
+    if ior < 1.0:
+        raise Unhandled(f"has an IOR below 1 ('{node.name}')")
+    dielectric = None if metallic is not None and metallic >= 1.0 else dielectric_lobe(ior, level, tinted)
     metal = metallic is None or metallic > 0.0
     if dielectric is None and not metal:
         return None
@@ -103,6 +107,7 @@ def leaf_effects(
         dielectric=dielectric,
         metal=metal,
         multiscatter=node.distribution == "MULTI_GGX",
+        tinted=tinted and metal,
     )
 
 

@@ -23,17 +23,23 @@ class Outside(str, Enum):
 
 @dataclass(frozen=True)
 class LookupEffects:
-    """The effects of one direction lookup; equal records share one node group."""
+    """The effects of one direction lookup; equal records share one node group.
+
+    Attributes:
+        correction: how the direction is found.
+        outside: what a surface outside the influence volume shows, or None where no surface lies outside, so that
+            nothing need be tested or faded.
+    """
 
     correction: Correction = Correction.ORIENTED_BOX
-    outside: Outside = Outside.UNCORRECTED
+    outside: Outside | None = Outside.UNCORRECTED
 
     @property
     def label(self) -> str:
         """A short name, unique for the record, for the node group's title."""
         words = [self.correction.value.lower().replace("_", " ")]
         if self.correction is not Correction.NONE:
-            words.append(f"outside {self.outside.value.lower()}")
+            words.append(f"outside {self.outside.value.lower()}" if self.outside else "inside")
         return ", ".join(words)
 
 
@@ -44,10 +50,13 @@ class DielectricLobe:
     Attributes:
         ior: index of refraction of the material; gives the reflectance at normal incidence.
         eta: the index whose Fresnel curve the lobe follows, after the specular level.
+        f0: the reflectance at normal incidence where it is the same grey all over the surface; None where the
+            specular level or tint vary or have a colour.
     """
 
     ior: float
     eta: float
+    f0: float | None
 
 
 @dataclass(frozen=True)
@@ -59,6 +68,7 @@ class SurfaceEffects:
         dielectric: the dielectric lobe, or None where there is none: a pure metal, or no specular reflection
             beside the metal's.
         metal: whether a metallic lobe is called for.
+        tinted: whether the specular tint is not white all over.
         multiscatter: whether the lobe keeps the energy of multiple scattering.
     """
 
@@ -66,6 +76,7 @@ class SurfaceEffects:
     dielectric: DielectricLobe | None
     metal: bool
     multiscatter: bool
+    tinted: bool = False
 
     @property
     def label(self) -> str:
@@ -75,8 +86,9 @@ class SurfaceEffects:
             words.append(f"IOR {self.dielectric.ior:.6g}")
             if self.dielectric.eta != self.dielectric.ior:
                 words.append(f"as {self.dielectric.eta:.6g}")
+            words.append("varying F0" if self.dielectric.f0 is None else f"F0 {self.dielectric.f0:.6g}")
         if self.metal:
-            words.append("metal")
+            words.append("tinted metal" if self.tinted else "metal")
         if self.multiscatter and self.roughness > 0:
             words.append("multiscatter")
         return ", ".join(words)

@@ -14,9 +14,17 @@ def _divide(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.divide(a, b, out=np.zeros_like(a), where=b != 0)
 
 
+def _length(a: np.ndarray) -> np.ndarray:
+    return np.sqrt((a * a).sum(-1, keepdims=True))
+
+
 def _normalize(a: np.ndarray) -> np.ndarray:
-    length = np.sqrt((a * a).sum(-1, keepdims=True))
-    return _divide(a, length)
+    return _divide(a, _length(a))
+
+
+def _reflect(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    normal = _normalize(b)
+    return a - 2 * normal * (a * normal).sum(-1, keepdims=True)
 
 
 _RULES = {
@@ -31,7 +39,9 @@ _RULES = {
     Op.SQRT: lambda a: np.sqrt(np.maximum(a, 0)),
     Op.MULTIPLY_ADD: lambda a, b, c: a * b + c,
     Op.DOT: lambda a, b: (a * b).sum(-1, keepdims=True),
+    Op.LENGTH: _length,
     Op.NORMALIZE: _normalize,
+    Op.REFLECT: _reflect,
     Op.COMBINE: lambda x, y, z: np.concatenate(np.broadcast_arrays(x, y, z), -1),
     Op.COMPONENT_X: lambda a: a[..., 0:1],
     Op.COMPONENT_Y: lambda a: a[..., 1:2],

@@ -26,15 +26,17 @@ class Op(Enum):
     SQRT = auto()  # scalar
     MULTIPLY_ADD = auto()  # a * b + c
     DOT = auto()  # two vectors to a scalar
+    LENGTH = auto()  # a vector to a scalar
     NORMALIZE = auto()  # the zero vector stays zero
+    REFLECT = auto()  # a − 2 (a · n) n with n = b normalised
     COMBINE = auto()  # three scalars to a vector
     COMPONENT_X = auto()  # a vector to a scalar
     COMPONENT_Y = auto()
     COMPONENT_Z = auto()
 
 
-_TO_SCALAR = {Op.DOT, Op.COMPONENT_X, Op.COMPONENT_Y, Op.COMPONENT_Z}
-_TO_VECTOR = {Op.COMBINE, Op.NORMALIZE}
+_TO_SCALAR = {Op.DOT, Op.LENGTH, Op.COMPONENT_X, Op.COMPONENT_Y, Op.COMPONENT_Z}
+_TO_VECTOR = {Op.COMBINE, Op.NORMALIZE, Op.REFLECT}
 
 
 class Expr:
@@ -170,6 +172,15 @@ def multiply_add(a: Operand, b: Operand, c: Operand) -> Expr:
 
 def dot(a: Operand, b: Operand) -> Expr:
     return operation(Op.DOT, a, b)
+
+
+def length(a: Operand) -> Expr:
+    return operation(Op.LENGTH, a)
+
+
+def reflect(a: Operand, normal: Operand) -> Expr:
+    """The mirror image of direction `a` in the plane of a normal of any length: it ends on the plane's other side."""
+    return operation(Op.REFLECT, a, normal)
 
 
 def normalize(a: Operand) -> Expr:

@@ -21,14 +21,16 @@ from .expression import (
     dot,
     greatest,
     least,
+    length,
     lift,
     maximum,
     mix,
+    multiply_add,
     normalize,
     operation,
+    reflect,
     scalar,
     sign,
-    sqrt,
     vector,
 )
 
@@ -48,11 +50,6 @@ DIRECTION = vector("Direction")
 STEEPEST = scalar("Steepest")
 
 
-def reflect(incoming: Expr, normal: Expr) -> Expr:
-    """The mirror direction of `incoming` (surface to eye) about `normal`; both unit (S1)."""
-    return normal * (2.0 * dot(normal, incoming)) - incoming
-
-
 def oriented_coordinates(v: Expr) -> Expr:
     """A world-space offset or direction in box coordinates, for any box (S2, S12)."""
     return combine(dot(ROW_X, v), dot(ROW_Y, v), dot(ROW_Z, v))
@@ -63,15 +60,15 @@ def aligned_coordinates(v: Expr) -> Expr:
     return v * combine(ROW_X.x, ROW_Y.y, ROW_Z.z)
 
 
-def exit_distance(o: Expr, d: Expr) -> Expr:
-    """How far along a ray its exit from the box [−1, 1]³ lies, in units of the undivided direction, ≥ 0.
+def exit_distance(o: Expr, back: Expr) -> Expr:
+    """How far along a ray its exit from the box [−1, 1]³ lies, in units of the undivided direction.
 
-    `o` and `d` are origin and direction in box coordinates. Each axis has one plane ahead, at sign(d), so its
-    distance is (1 − o·sign d) / |d|: no infinity for a parallel ray, no 0/0, and 0 for a point on the wall that
-    looks out of it.
+    `o` and `back` are the origin and the reversed direction in box coordinates. Each axis has one plane ahead, at
+    −sign(back), so its distance is (1 + o·sign(back)) / |back|: no infinity for a parallel ray, no 0/0, and 0 for a
+    point on the wall that looks out of it.
     """
-    ahead = (1.0 - o * sign(d)) / maximum(absolute(d), TINY)
-    return maximum(least(ahead), 0.0)
+    ahead = multiply_add(o, sign(back), 1.0) / maximum(absolute(back), TINY)
+    return least(ahead)
 
 
 def influence_weight(o: Expr) -> Expr:
@@ -87,17 +84,20 @@ def lookup(effects: LookupEffects) -> dict[str, Expr]:
     Returns:
         "Direction": world-space vector, not normalised; "Weight": what to multiply the radiance by, 0 … 1.
     """
-    reflected = reflect(INCOMING, NORMAL)
+    back = reflect(INCOMING, NORMAL)  # the reflected ray, reversed: incoming points to the eye (S1)
     if effects.correction is Correction.NONE:
-        return {"Direction": reflected, "Weight": lift(1.0)}
+        return {"Direction": back * -1.0, "Weight": lift(1.0)}
     aligned = effects.correction is Correction.ALIGNED_BOX
     coordinates = aligned_coordinates if aligned else oriented_coordinates
-    o, d = coordinates(POSITION - CENTRE), coordinates(reflected)
-    corrected = (POSITION - CAPTURE_POINT) + reflected * exit_distance(o, d)  # S5
+    o, d = coordinates(POSITION - CENTRE), coordinates(back)
+    distance = exit_distance(o, d)
+    if effects.outside is None:
+        return {"Direction": (POSITION - CAPTURE_POINT) - back * distance, "Weight": lift(1.0)}
+    corrected = (POSITION - CAPTURE_POINT) - back * maximum(distance, 0.0)  # S5
     weight = influence_weight(o)
     if effects.outside is Outside.BLACK:
         return {"Direction": corrected, "Weight": weight}
-    return {"Direction": mix(reflected, normalize(corrected), weight), "Weight": lift(1.0)}
+    return {"Direction": mix(back * -1.0, normalize(corrected), weight), "Weight": lift(1.0)}
 
 
 def off_poles() -> dict[str, Expr]:
@@ -110,9 +110,15 @@ def off_poles() -> dict[str, Expr]:
         "Direction": world-space vector, not normalised, of the same azimuth.
     """
     aside = operation(Op.ADD, DIRECTION, (1e-15, 0.0, 0.0))  # straight up and down have an azimuth too
-    across = aside * STEEPEST * (1.0, 1.0, 0.0)
-    limit = sqrt(dot(across, across))
-    return {"Direction": combine(aside.x, aside.y, clamp(aside.z, limit * -1.0, limit))}
+    limit = length(aside * (1.0, 1.0, 0.0)) * STEEPEST
+    return {
+        "Direction": clamp(
+            aside, multiply_add(limit, (0.0, 0.0, -1.0), _NO_LOWER), multiply_add(limit, (0.0, 0.0, 1.0), _NO_UPPER)
+        )
+    }
+
+
+_NO_UPPER, _NO_LOWER = (1e30, 1e30, 0.0), (-1e30, -1e30, 0.0)  # of the horizontal components
 
 
 def steepest_slope(height: int) -> float:

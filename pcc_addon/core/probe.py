@@ -134,18 +134,23 @@ class ProbeSpec:
         unit_axes = self.box.axes / self.box.half_extents
         return self.box.centre + unit_axes @ np.array(self.capture_offset)
 
-    @property
-    def effects(self) -> LookupEffects:
-        """The lookup effects that the probe calls for."""
+    def effects(self, all_inside: bool) -> LookupEffects:
+        """The lookup effects that the probe calls for; `all_inside`: no surface that shows it leaves its box."""
         if not self.corrected:
-            return LookupEffects(Correction.NONE)
-        return LookupEffects(Correction.ALIGNED_BOX if self.box.is_aligned else Correction.ORIENTED_BOX, self.outside)
+            return LookupEffects(Correction.NONE, None)
+        correction = Correction.ALIGNED_BOX if self.box.is_aligned else Correction.ORIENTED_BOX
+        return LookupEffects(correction, None if all_inside else self.outside)
 
     @property
     def influence_padding(self) -> float:
         """The padding, widened by what float32 positions this far from the origin cannot tell apart, metres."""
         reach = float(np.abs(self.box.centre).max() + np.linalg.norm(self.box.half_extents))
         return self.padding + 4.0 * _ULP * reach
+
+    def contains(self, corners: np.ndarray) -> bool:
+        """Whether world-space points (n, 3), and all between them, lie within the box and its padding."""
+        coordinates = np.abs((corners - self.box.centre) @ self.box.rows.T)
+        return bool((coordinates <= 1.0 + self.influence_padding / self.box.half_extents).all())
 
     def overlaps(self, corners: np.ndarray) -> bool:
         """Whether a convex cloud of world-space points (n, 3) may reach into the influence volume.

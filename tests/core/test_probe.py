@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, Outside
+from pcc_addon.core.effects import Correction, LookupEffects, Outside
 from pcc_addon.core.errors import PccError, ProbeError
 from pcc_addon.core.evaluate import evaluate
 from pcc_addon.core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Box, ProbeSpec
@@ -156,8 +156,9 @@ def test_a_probe_calls_for_the_cheapest_correction_that_fits_its_box() -> None:
         _, box = random_box(kind, 7)
         spec = ProbeSpec("Hall", box, outside=Outside.BLACK)
         expected = Correction.ALIGNED_BOX if kind == "unrotated" else Correction.ORIENTED_BOX
-        assert (spec.effects.correction, spec.effects.outside) == (expected, Outside.BLACK)
-        assert ProbeSpec("Hall", box, corrected=False).effects.correction is Correction.NONE
+        assert spec.effects(all_inside=False) == LookupEffects(expected, Outside.BLACK)
+        assert spec.effects(all_inside=True) == LookupEffects(expected, None)
+        assert ProbeSpec("Hall", box, corrected=False).effects(False).correction is Correction.NONE
 
 
 def test_far_from_the_origin_the_influence_grows_by_what_float32_cannot_tell() -> None:

@@ -34,8 +34,8 @@ def fresnel(cosine: float, eta: float) -> float:
         return float((abs(s) ** 2 + abs(p) ** 2) / 2)
 
 
-def lobe(ior: float, level: float | None = 0.5) -> DielectricLobe:
-    found = dielectric_lobe(ior, level)
+def lobe(ior: float, level: float | None = 0.5, tinted: bool = False) -> DielectricLobe:
+    found = dielectric_lobe(ior, level, tinted)
     assert found is not None
     return found
 
@@ -65,12 +65,14 @@ def light(
     return np.broadcast_to(found["Reflection"], shape), np.broadcast_to(found["Diffuse Color"], shape)
 
 
-def dielectric(roughness: float, ior: float = 1.5, level: float | None = 0.5, multiscatter: bool = False):
-    return SurfaceEffects(roughness, lobe(ior, level), metal=False, multiscatter=multiscatter)
+def dielectric(
+    roughness: float, ior: float = 1.5, level: float | None = 0.5, multiscatter: bool = False, tinted: bool = False
+) -> SurfaceEffects:
+    return SurfaceEffects(roughness, lobe(ior, level, tinted), metal=False, multiscatter=multiscatter)
 
 
-def metal(roughness: float, multiscatter: bool = False) -> SurfaceEffects:
-    return SurfaceEffects(roughness, None, metal=True, multiscatter=multiscatter)
+def metal(roughness: float, multiscatter: bool = False, tinted: bool = False) -> SurfaceEffects:
+    return SurfaceEffects(roughness, None, metal=True, multiscatter=multiscatter, tinted=tinted)
 
 
 def test_the_reflectance_at_normal_incidence_and_the_index_are_inverses() -> None:
@@ -151,7 +153,7 @@ def test_multiple_scattering_gives_back_what_single_scattering_loses(roughness: 
         base = (0.9, 0.5, 0.1)
         once, _ = light(make(roughness), COSINES[3:], base=base, metallic=metallic)
         often, _ = light(make(roughness, multiscatter=True), COSINES[3:], base=base, metallic=metallic)
-        assert (often >= once - 1e-12).all()
+        assert (often >= once - 1e-3).all()  # two fits, each within its own error
         assert (often - once).max() > 0.001
     once, _ = light(metal(roughness), COSINES[3:], base=(0.9, 0.5, 0.1), metallic=1.0)
     often, _ = light(metal(roughness, multiscatter=True), COSINES[3:], base=(0.9, 0.5, 0.1), metallic=1.0)
@@ -170,7 +172,7 @@ def test_a_metals_tint_is_its_colour_at_82_degrees_and_nowhere_else() -> None:
     base, tint = (0.9, 0.5, 0.1), (0.25, 0.5, 1.0)
     cosines = np.array([1.0, 1.0 / 7.0, 0.0])
     plain, _ = light(metal(0.0), cosines, base=base, metallic=1.0)
-    tinted, _ = light(metal(0.0), cosines, base=base, metallic=1.0, tint=tint)
+    tinted, _ = light(metal(0.0, tinted=True), cosines, base=base, metallic=1.0, tint=tint)
     np.testing.assert_allclose(tinted / plain, [WHITE, tint, WHITE], atol=1e-9)
 
 
@@ -178,20 +180,20 @@ def test_a_metals_tint_is_its_colour_at_82_degrees_and_nowhere_else() -> None:
 def test_the_specular_tint_colours_a_dielectric_in_normal_view(roughness: float) -> None:
     face_on, grazing = np.array([1.0]), np.array([0.0])
     tint = (1.0, 0.5, 0.0)
-    plain, _ = light(dielectric(roughness), face_on)
-    tinted, _ = light(dielectric(roughness), face_on, tint=tint)
+    plain, _ = light(dielectric(roughness, tinted=True), face_on)
+    tinted, _ = light(dielectric(roughness, tinted=True), face_on, tint=tint)
     black = tinted[0, 2]
     np.testing.assert_allclose((tinted[0] - black) / (plain[0] - black), tint, atol=1e-9)
     assert black < 0.02
     if roughness == 0.0:
         assert black == pytest.approx(0.0, abs=1e-12)
-        reflected, _ = light(dielectric(0.0), grazing, tint=tint)
+        reflected, _ = light(dielectric(0.0, tinted=True), grazing, tint=tint)
         np.testing.assert_allclose(reflected, 1.0, atol=1e-9)
 
 
 def test_the_brightest_channel_decides_what_is_left_for_the_diffuse_part() -> None:
     base = (0.8, 0.4, 0.2)
-    reflected, left = light(dielectric(0.0), base=base, tint=(0.2, 0.5, 1.0))
+    reflected, left = light(dielectric(0.0, tinted=True), base=base, tint=(0.2, 0.5, 1.0))
     np.testing.assert_allclose(left, np.multiply(base, 1.0 - reflected.max(-1, keepdims=True)), atol=1e-12)
 
 
@@ -215,7 +217,7 @@ def test_what_reflects_nothing_has_no_lobe() -> None:
     assert dielectric_lobe(1.5, 0.0) is None
     assert dielectric_lobe(1.0, 0.5) is None
     assert dielectric_lobe(1.0, None) is None
-    assert dielectric_lobe(1.5, None) == DielectricLobe(1.5, 1.5)
+    assert dielectric_lobe(1.5, None) == DielectricLobe(1.5, 1.5, None)
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.4])
