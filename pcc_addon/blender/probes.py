@@ -14,6 +14,8 @@ from ..core.errors import PccError, ProbeError
 from ..core.probe import Box, Engine, ProbeSpec
 from ..core.sidecar import Sidecar
 
+_INFINITE = float(np.finfo(np.float32).max)  # an operator's properties turn infinity into this
+
 
 def add_probe(
     collection: bpy.types.Collection,
@@ -29,7 +31,7 @@ def add_probe(
         ProbeError: a number is not finite, or a half extent is 0.
     """
     numbers = [*location, *rotation, *half_extents, *capture_offset]
-    if not np.isfinite(numbers).all():
+    if not (np.abs(numbers) < _INFINITE).all():
         raise ProbeError(f"probe '{name}': location, rotation, half extents and capture offset must be finite numbers")
     if 0.0 in half_extents:
         raise ProbeError(f"probe '{name}': half extents of 0 make a box without volume; give lengths above 0 m")
