@@ -122,7 +122,7 @@ def _mesh(mesh: bpy.types.Mesh, digest: Any) -> None:
 
 
 def _node_tree(tree: bpy.types.NodeTree | None, seen: set[str]) -> list[str]:
-    """Lines that change when a shader changes; our own nodes and the choice of the active output are left out."""
+    """Lines that change when a shader changes; our own nodes and the choice of the output are left out."""
     if tree is None or tree.name_full in seen:
         return []
     seen.add(tree.name_full)
@@ -131,7 +131,7 @@ def _node_tree(tree: bpy.types.NodeTree | None, seen: set[str]) -> list[str]:
         if groups.role(node):
             continue
         lines.append(f"node {node.name} {node.bl_idname}")
-        lines += _properties(node, (_NODE_BOOKKEEPING | {"is_active_output"}) - {"mute"})
+        lines += _properties(node, (_NODE_BOOKKEEPING | {"is_active_output", "target"}) - {"mute"})
         for socket in node.inputs:
             value = getattr(socket, "default_value", None)
             lines.append(f"  {socket.identifier} {_plain(value)}")

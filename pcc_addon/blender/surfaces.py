@@ -61,14 +61,17 @@ def constant(socket: bpy.types.NodeSocket, scope: Scope) -> float | tuple[float,
 
 
 def outputs(material: bpy.types.Material) -> list[bpy.types.ShaderNodeOutputMaterial]:
-    """The user's output nodes that an engine reads, without our own."""
-    own = [n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial" and not groups.role(n)]
-    targets = sorted({n.target for n in own})
+    """The user's output nodes that engines read, without our own: one for both, or Cycles' and then EEVEE's."""
+    nodes = material.node_tree.nodes
+    own = [n for n in nodes if n.bl_idname == "ShaderNodeOutputMaterial" and not groups.role(n)]
+    twinned = {n.get("pcc_twin_of") for n in nodes if groups.role(n)}
     chosen = []
-    for target in targets:
-        candidates = [n for n in own if n.target == target]
-        twinned = {n.get("pcc_twin_of") for n in material.node_tree.nodes if groups.role(n)}
-        chosen += [n for n in candidates if n.is_active_output or n.name in twinned][:1]
+    for engine in ("CYCLES", "EEVEE"):
+        # As Blender chooses: one for this engine before one for all, then the active one, then the first.
+        candidates = [n for n in own if n.target in {engine, "ALL"}]
+        ranks = [(n.target == engine, n.is_active_output or n.name in twinned) for n in candidates]
+        if candidates and candidates[ranks.index(max(ranks))] not in chosen:
+            chosen.append(candidates[ranks.index(max(ranks))])
     return chosen
 
 

@@ -2,6 +2,9 @@
 
 Nothing of the user's is changed: a second output node is made the active one, and removing it brings the first
 back. The twin shares everything that is not a shader (textures, maps, values) with the original.
+
+Only one output can be the active one. Where each engine has an output of its own, the twins are meant for one
+engine each and the originals, until the twins are removed, for all, so that each engine prefers its twin.
 """
 
 from __future__ import annotations
@@ -15,6 +18,8 @@ from . import groups
 from .surfaces import Scope, constant, group_output, leaf_effects, outputs, source
 
 _TWIN_OF = "pcc_twin_of"
+_TARGET = "pcc_target"
+_ACTIVE = "pcc_active"
 _SAMPLING = "pcc_emission_sampling"
 _PROBE, _GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for later
 _COPIED_LATER = {"Base Color", "Metallic", "Specular IOR Level"}
@@ -37,10 +42,10 @@ class Reflection:
 def add_twins(material: bpy.types.Material, reflection: Reflection) -> None:
     """Give every output in force of `material` a twin that shows `reflection`. It must not have twins yet."""
     tree = material.node_tree
-    for original in outputs(material):
+    originals = outputs(material)
+    for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=False):
         builder = _Builder(tree, Scope(tree), reflection, material.name)
         twin = builder.new("ShaderNodeOutputMaterial", original)
-        twin.target = original.target
         twin.name = f"PCC {original.name}"
         twin.label = "Parallax Probe"
         twin[_TWIN_OF] = original.name
@@ -49,7 +54,13 @@ def add_twins(material: bpy.types.Material, reflection: Reflection) -> None:
             feeding = builder.twin(socket) if shader else source(socket)
             if feeding is not None:
                 tree.links.new(feeding, twin.inputs[socket.name])
-        twin.is_active_output = True
+        twin[_ACTIVE] = original.is_active_output
+        if len(originals) == 1:
+            twin.target = original.target
+            twin.is_active_output = True
+        else:
+            twin[_TARGET] = original.target
+            twin.target, original.target = engine, "ALL"
     if reflection.probe_group is not None:
         _stop_lamp_sampling(material)
 
@@ -60,7 +71,7 @@ def remove_twins(material: bpy.types.Material) -> bool:
     own = [n for n in tree.nodes if groups.role(n)] if tree else []
     if not own:
         return False
-    originals = [tree.nodes.get(n[_TWIN_OF]) for n in own if _TWIN_OF in n]
+    originals = [(tree.nodes.get(n[_TWIN_OF]), n.get(_TARGET), n.get(_ACTIVE, True)) for n in own if _TWIN_OF in n]
     for node in own:
         if _SAMPLING in node:
             _restore_lamp_sampling(material, node[_SAMPLING])
@@ -69,8 +80,12 @@ def remove_twins(material: bpy.types.Material) -> bool:
         tree.nodes.remove(node)
     for copy in copies:
         _remove_copy(copy)
-    for original in originals:
-        if original is not None:
+    for original, target, was_active in originals:
+        if original is None:
+            continue
+        if target is not None:
+            original.target = target
+        if was_active:
             original.is_active_output = True
     return True
 
@@ -115,10 +130,7 @@ def _remove_copy(tree: bpy.types.ShaderNodeTree) -> None:
 
 def _stop_lamp_sampling(material: bpy.types.Material) -> None:
     """Keep Cycles from treating the reflection as a lamp, where the material is none of its own."""
-    own_light = any(
-        n.bl_idname in {"ShaderNodeEmission", "ShaderNodeBsdfPrincipled"} and not groups.role(n) and _glows(n)
-        for n in material.node_tree.nodes
-    )
+    own_light = any(_glows(output.inputs["Surface"], Scope(material.node_tree)) for output in outputs(material))
     if own_light or material.cycles.emission_sampling == "NONE":
         return
     marker = next(n for n in material.node_tree.nodes if _TWIN_OF in n)
@@ -134,12 +146,23 @@ def _restore_lamp_sampling(material: bpy.types.Material, before: str) -> None:
         material.cycles.property_unset("emission_sampling")
 
 
-def _glows(node: bpy.types.Node) -> bool:
-    color, strength = (
-        ("Emission Color", "Emission Strength") if "Emission Color" in node.inputs else ("Color", "Strength")
-    )
-    dark = constant(node.inputs[color], Scope(node.id_data))
-    return constant(node.inputs[strength], Scope(node.id_data)) != 0.0 and (dark is None or any(dark[:3]))
+def _glows(socket: bpy.types.NodeSocket, scope: Scope) -> bool:
+    """Whether a shader that feeds `socket` emits light of its own."""
+    feeding = source(socket)
+    if feeding is None or feeding.type != "SHADER" or feeding.node.mute:
+        return False
+    node = feeding.node
+    if node.bl_idname in {"ShaderNodeEmission", "ShaderNodeBsdfPrincipled"}:
+        color, strength = (
+            ("Emission Color", "Emission Strength") if "Emission Color" in node.inputs else ("Color", "Strength")
+        )
+        dark = constant(node.inputs[color], scope)
+        return constant(node.inputs[strength], scope) != 0.0 and (dark is None or any(dark[:3]))
+    if node.bl_idname == "ShaderNodeGroup" and node.node_tree:
+        inner = group_output(node.node_tree)
+        if inner is not None and _glows(inner.inputs[list(node.outputs).index(feeding)], scope.inside(node)):
+            return True
+    return any(_glows(s, scope) for s in node.inputs if s.type == "SHADER")
 
 
 class _Builder:
