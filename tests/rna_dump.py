@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import bpy
@@ -18,14 +19,14 @@ _COLLECTIONS = (
 )  # fmt: skip
 
 
-def dump() -> dict[str, str]:
-    """Every readable property by its path, for all data blocks of the file."""
+def dump(collections: Sequence[str] = _COLLECTIONS, without: Collection[bpy.types.ID] = ()) -> dict[str, str]:
+    """Every readable property by its path, for all data blocks of the file: of some kinds, without some of them."""
     lines: dict[str, str] = {}
-    for collection in _COLLECTIONS:
+    for collection in collections:
         blocks = getattr(bpy.data, collection)
         lines[f"{collection}.names"] = repr([b.name_full for b in blocks if b.name != "Render Result"])
         for block in blocks:
-            if block.name != "Render Result":
+            if block.name != "Render Result" and block not in without:
                 _struct(f"{collection}['{block.name_full}']", block, lines, {block.as_pointer()})
     return lines
 
@@ -71,6 +72,10 @@ def _value(path: str, value: Any, prop: Any, lines: dict[str, str], above: set[i
             _struct(path, value, lines, above | {value.as_pointer()})
         elif isinstance(value, bpy.types.ID):
             lines[path] = value.name_full
+        elif isinstance(value, bpy.types.NodeSocket):  # links refer to what the nodes hold
+            lines[path] = f"{value.node.name} {value.is_output} {value.identifier}"
+        elif isinstance(value, bpy.types.Node):
+            lines[path] = value.name
         elif value is not None and value.as_pointer() not in above:
             _struct(path, value, lines, above | {value.as_pointer()})
         else:
