@@ -90,6 +90,7 @@ def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
         ("use_compositing", False),
         ("use_sequencer", False),
         ("use_freestyle", False),
+        ("use_stamp", False),
         ("use_single_layer", True),
         ("film_transparent", False),
         ("use_persistent_data", True),
