@@ -158,6 +158,7 @@ def _packed(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.ty
     if old is not None:
         old.user_remap(image)
         bpy.data.images.remove(old)
+        image.name = _image_name(probe, level)
     return image
 
 
