@@ -169,7 +169,10 @@ def _matrix(probe: bpy.types.Object) -> list[float]:
 
 
 def _owner(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
-    return next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
+    """The probe that a group was built for: a copy of a probe starts out with the original's group."""
+    curves = tree.animation_data.drivers if tree.animation_data else ()
+    followed = next((curve.driver.variables[0].targets[0].id for curve in curves), None)
+    return followed or next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
 
 
 def _driven_vector(

@@ -140,7 +140,10 @@ def _cannot_write(probe: bpy.types.Object, folder: Path, error: OSError) -> str:
 
 
 def _existing(probe: bpy.types.Object, roughness: float) -> bpy.types.Image | None:
-    return next((level.image for level in probe.pcc_probe.levels if abs(level.roughness - roughness) < 5e-5), None)
+    """The image of a level that is to be replaced; None where a probe and its copy share it."""
+    shared = {level.image for o in bpy.data.objects if o != probe for level in o.pcc_probe.levels}
+    images = (level.image for level in probe.pcc_probe.levels if abs(level.roughness - roughness) < 5e-5)
+    return next((image for image in images if image not in shared), None)
 
 
 def _image_name(probe: bpy.types.Object, level: sidecar.Level) -> str:

@@ -13,6 +13,7 @@ from .errors import ProbeError
 MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION = 16, 4096
 _FLATTEST = 1e-9  # smallest accepted ratio of a box's volume to that of a box with the same edge lengths
 _ULP = float(np.finfo(np.float32).eps)
+_INFINITE = float(np.finfo(np.float32).max)  # Blender turns an infinity that a script sets into this
 
 
 class Engine(str, Enum):
@@ -40,7 +41,7 @@ class Box:
             ProbeError: the matrix is not finite, or the box has no volume.
         """
         m = np.asarray(matrix, np.float64)
-        if not np.isfinite(m).all():
+        if not (np.abs(m) < _INFINITE).all():
             raise ProbeError(f"probe '{name}': its transform is not finite; reset its location, rotation and scale")
         lengths = np.linalg.norm(m[:3, :3], axis=0)
         if not (lengths > 0).all():
