@@ -18,7 +18,7 @@ from ..core.prefilter import prefilter
 from ..core.probe import ProbeSpec
 from ..core.sidecar import Sidecar
 from ..version import ADDON_VERSION
-from . import groups, levels, scene, twin
+from . import groups, levels, scene, surfaces, twin
 from .capture import OVERSCAN, Stage
 from .fingerprint import SceneFingerprint
 from .overrides import override
@@ -43,6 +43,22 @@ class BakedProbe:
     seconds: float = 0.0
     files: tuple[str, ...] = ()
     replaced_pixels: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One probe to bake: its object and record, the hash of what it depends on, the levels that are called for."""
+
+    probe: bpy.types.Object
+    spec: ProbeSpec
+    content_hash: str
+    roughnesses: tuple[float, ...]
+    all_inside: bool
+
+    @property
+    def steps(self) -> int:
+        """Six faces, assembling, each level but the sharpest, storing."""
+        return len(FACES) + 1 + len(self.roughnesses)
 
 
 class BakeJob:
@@ -110,17 +126,17 @@ class BakeJob:
         self.missing_textures = scene.missing_textures(self._view_layer, self._scene.world)
         found = survey(self._view_layer, specs, self._scene.pcc.roughness_limit)
         fingerprint = SceneFingerprint(self._scene, self._view_layer)
-        hashes = {spec.name: fingerprint.content_hash(spec) for _, spec in ready}
-        wanted = {}
-        for probe, spec in ready:
-            in_use = twin.outputs_in_use(probe.pcc_probe.group) if probe.pcc_probe.group else set()
-            kept = {
-                round(level.roughness, 4)
-                for level in probe.pcc_probe.levels
-                if groups.level_output(level.roughness) in in_use
-            }
-            wanted[spec.name] = sorted({0.0} | found.roughnesses(spec.name) | kept)
-        total = sum(len(FACES) + 1 + len(roughnesses) for roughnesses in wanted.values())
+        tasks = [
+            _Task(
+                probe,
+                spec,
+                fingerprint.content_hash(spec),
+                tuple(sorted({0.0} | found.roughnesses(spec.name) | _levels_in_use(probe))),
+                found.all_inside(spec.name),
+            )
+            for probe, spec in ready
+        ]
+        total = sum(task.steps for task in tasks)
         done = 0
         yield
         stage = Stage(self._stack, self._scene, self._view_layer)
@@ -129,17 +145,17 @@ class BakeJob:
             [receiver.material for receiver in found.receivers],
             twin.Reflection(None, self._scene.pcc.roughness_limit),
         )
-        for probe, spec in ready:
-            target = done + len(FACES) + 1 + len(wanted[spec.name])
+        for task in tasks:
+            target = done + task.steps
             try:
-                for message in self._bake(stage, probe, spec, hashes[spec.name], wanted[spec.name]):
+                for message in self._bake(stage, task):
                     done += 1
-                    self.progress, self.message = done / total, f"{spec.name}: {message}"
+                    self.progress, self.message = done / total, f"{task.spec.name}: {message}"
                     yield
             except Cancelled:
                 raise
             except PccError as error:
-                self.results.append(BakedProbe(spec.name, str(error)))
+                self.results.append(BakedProbe(task.spec.name, str(error)))
             done = target
 
     def _read_probes(self) -> tuple[list[ProbeSpec], list[tuple[bpy.types.Object, ProbeSpec]]]:
@@ -157,10 +173,9 @@ class BakeJob:
                 ready.append((probe, spec))
         return specs, ready
 
-    def _bake(
-        self, stage: Stage, probe: bpy.types.Object, spec: ProbeSpec, content_hash: str, wanted: list[float]
-    ) -> Iterator[str]:
+    def _bake(self, stage: Stage, task: _Task) -> Iterator[str]:
         """Render, assemble, blur and store one probe; yields what comes next."""
+        probe, spec = task.probe, task.spec
         start = time.perf_counter()
         faces: list[np.ndarray] = []
         replaced: list[str] = []
@@ -173,7 +188,7 @@ class BakeJob:
                 replaced += [str(bad)] if bad else []
         yield "assembling"
         pictures = {0.0: equirect.from_faces(faces, OVERSCAN)}
-        for roughness in wanted:
+        for roughness in task.roughnesses:
             if roughness > 0.0:
                 yield f"roughness {roughness:.3g}"
                 pictures[roughness] = prefilter(pictures[0.0], roughness)
@@ -190,16 +205,24 @@ class BakeJob:
             denoise=spec.denoise,
             clip=(spec.clip_start, spec.clip_end),
             seconds=round(seconds, 3),
-            content_hash=content_hash,
+            content_hash=task.content_hash,
             blender=bpy.app.version_string,
             addon=ADDON_VERSION,
             levels=(),
             replaced_pixels=tuple(replaced),
         )
-        levels.store(probe, record, pictures, self._folder)
+        levels.store(probe, record, pictures, self._folder, task.all_inside)
         images = [level.image for level in probe.pcc_probe.levels]
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced)))
+
+
+def _levels_in_use(probe: bpy.types.Object) -> set[float]:
+    """The roughnesses that materials read from a probe now."""
+    group = probe.pcc_probe.group
+    names = twin.outputs_in_use(group) if group else set()
+    known = (round(level.roughness, surfaces.ROUGHNESS_DIGITS) for level in probe.pcc_probe.levels)
+    return {roughness for roughness in known if groups.level_output(roughness) in names}
 
 
 def _show_diffuse_only(stack: ExitStack, receivers: list[bpy.types.Material], diffuse_only: twin.Reflection) -> None:

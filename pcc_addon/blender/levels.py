@@ -31,7 +31,11 @@ def bake_folder(scene: bpy.types.Scene, blend: str | None = None) -> Path | None
 
 
 def store(
-    probe: bpy.types.Object, record: sidecar.Sidecar, levels: dict[float, np.ndarray], folder: Path | None
+    probe: bpy.types.Object,
+    record: sidecar.Sidecar,
+    levels: dict[float, np.ndarray],
+    folder: Path | None,
+    all_inside: bool = False,
 ) -> None:
     """Write a probe's pictures and sidecar aside, move them into place, and show them.
 
@@ -40,6 +44,7 @@ def store(
         record: of the bake; its levels are filled in here.
         levels: pictures (h, 2h, 3) by roughness, with 0 for the capture itself.
         folder: where to; None packs the pictures into the .blend.
+        all_inside: as in `refresh_group`.
 
     Raises:
         BakeError: the folder or a file cannot be written; what was there before is untouched.
@@ -63,7 +68,7 @@ def store(
             except OSError as error:
                 raise BakeError(_cannot_write(probe, folder, error)) from error
             images = {level.roughness: _linked(folder / level.file, probe, level) for level in described}
-    _show(probe, record, images)
+    _show(probe, record, images, all_inside)
 
 
 def ensure_levels(
@@ -120,6 +125,7 @@ def refresh_group(probe: bpy.types.Object, all_inside: bool = False) -> None:
     if record is not None:
         spec = probe_spec(probe)
         groups.build_probe_group(probe, spec, spec.effects(all_inside), record.capture_point)
+        groups.drop_unused_groups()
 
 
 def _folder_for_parts(stack: ExitStack, folder: Path | None) -> Path:
@@ -165,7 +171,9 @@ def _packed(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.ty
     return image
 
 
-def _show(probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image]) -> None:
+def _show(
+    probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image], all_inside: bool
+) -> None:
     settings = probe.pcc_probe
     before = {level.image for level in settings.levels if level.image}
     settings.levels.clear()
@@ -173,7 +181,7 @@ def _show(probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, 
         level = settings.levels.add()
         level.roughness, level.image = roughness, images[roughness]
     settings.bake_record = record.to_json()
-    refresh_group(probe)
+    refresh_group(probe, all_inside)
     for image in before - set(images.values()):
         if image.users == 0:
             bpy.data.images.remove(image)
