@@ -249,7 +249,8 @@ def _interruptible() -> Iterator[list[int]]:
     try:
         yield seen
     finally:
-        signal.signal(signal.SIGINT, before)
+        # None: Blender's own C code had it, and Python cannot give it back.
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
 
 
 def _inject(options: argparse.Namespace, voice: _Voice) -> int:
