@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import sys
 import tempfile
@@ -31,6 +32,7 @@ class Frame:
 def start() -> None:
     """Register the add-on and keep Blender's lines off standard output."""
     pcc_addon.register()
+    atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
     sys.stdout.flush()
     out = os.fdopen(os.dup(1), "w")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

@@ -91,10 +91,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         except ImportError:
             print("pcc: this Python has no bpy module; install the one for its version with pip", file=sys.stderr)
             return USAGE
-        from . import register
+        from . import register, unregister
 
         register()
-        return _run(options, _Voice(out, options.json))
+        try:
+            return _run(options, _Voice(out, options.json))
+        finally:
+            unregister()  # Blender 4.5 as a module crashes at exit where types are left registered
 
 
 def run_in_blender(argv: list[str]) -> int:

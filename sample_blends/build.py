@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +18,7 @@ FOLDER = Path(__file__).resolve().parent
 
 def main() -> None:
     pcc_addon.register()
+    atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
     _save("emissive_room.blend", _emissive_room_with_probe)
     _save("gallery.blend", scenes.gallery)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import contextlib
 import os
 import sys
@@ -28,6 +29,7 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     start = time.perf_counter()
     pcc_addon.register()
+    atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
     scene = scenes.gallery()
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "gallery.blend"))
     probe = bpy.data.objects["Gallery Probe"]
