@@ -9,7 +9,7 @@ import bpy
 
 from benchmarks.measure import covered, relative_rmse, render, start, table, write_page
 from pcc_addon.core.probe import Engine
-from sample_blends.scenes import EMISSIVE_ROOM, emissive_room
+from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room
 
 SIZES = (128, 256, 512, 1024)
 
@@ -20,14 +20,7 @@ def main() -> None:
     room = EMISSIVE_ROOM
     floor = bpy.data.objects["Wall -Z"]
     mask, truth = covered(scene, floor), render(scene).pixels
-    bpy.ops.pcc.probe_add(
-        name="Room",
-        location=room.centre,
-        rotation=(0.0, 0.0, room.turn),
-        half_extents=room.half_extents,
-        capture_offset=(0.0, 0.0, -0.35),
-    )
-    probe = bpy.data.objects["Room"].pcc_probe
+    probe = add_room_probe(room, (0.0, 0.0, -0.35)).pcc_probe
     probe.samples, probe.denoise = 16, False
     rows = []
     for size in SIZES:

@@ -10,7 +10,7 @@ from statistics import median
 import bpy
 
 from benchmarks.measure import render, start, table, write_page
-from sample_blends.scenes import EMISSIVE_ROOM, emissive_room, gallery
+from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room, gallery
 
 ROUNDS = 7
 
@@ -45,10 +45,7 @@ def measure(name: str, scene: bpy.types.Scene) -> list[str]:
 
 def _emissive() -> bpy.types.Scene:
     scene = emissive_room()
-    room = EMISSIVE_ROOM
-    bpy.ops.pcc.probe_add(
-        name="Room", location=room.centre, rotation=(0.0, 0.0, room.turn), half_extents=room.half_extents
-    )
+    add_room_probe(EMISSIVE_ROOM)
     return scene
 
 

@@ -25,14 +25,7 @@ def main() -> None:
 
 def _emissive_room_with_probe() -> None:
     scenes.emissive_room()
-    room = scenes.EMISSIVE_ROOM
-    bpy.ops.pcc.probe_add(
-        name="Room",
-        location=room.centre,
-        rotation=(0.0, 0.0, room.turn),
-        half_extents=room.half_extents,
-        capture_offset=(0.0, 0.0, -0.35),
-    )
+    scenes.add_room_probe(scenes.EMISSIVE_ROOM, (0.0, 0.0, -0.35))
 
 
 def _save(name: str, build: Callable[[], object]) -> None:

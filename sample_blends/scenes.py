@@ -147,6 +147,18 @@ def emissive_room(room: Room = EMISSIVE_ROOM) -> bpy.types.Scene:
     return scene
 
 
+def add_room_probe(room: Room, capture_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> bpy.types.Object:
+    """A probe called "Room" whose box is the room's walls; the offset of its capture point in metres."""
+    bpy.ops.pcc.probe_add(
+        name="Room",
+        location=room.centre,
+        rotation=(0.0, 0.0, room.turn),
+        half_extents=room.half_extents,
+        capture_offset=capture_offset,
+    )
+    return bpy.context.object
+
+
 def gallery(room: Room = GALLERY) -> bpy.types.Scene:
     """A turned exhibition room with lamps, pictures and pedestals over a polished floor, and a probe to bake."""
     scene = empty_scene()

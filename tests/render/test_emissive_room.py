@@ -8,21 +8,14 @@ import pytest
 
 from benchmarks.measure import covered, relative_rmse, render
 from pcc_addon.core.probe import Engine
-from sample_blends.scenes import EMISSIVE_ROOM, emissive_room
+from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room
 
 
 @pytest.fixture
 def room() -> bpy.types.Scene:
     scene = emissive_room()
     scene.render.resolution_x, scene.render.resolution_y = 240, 135
-    bpy.ops.pcc.probe_add(
-        name="Room",
-        location=EMISSIVE_ROOM.centre,
-        rotation=(0.0, 0.0, EMISSIVE_ROOM.turn),
-        half_extents=EMISSIVE_ROOM.half_extents,
-        capture_offset=(0.0, 0.0, -0.35),
-    )
-    settings = bpy.data.objects["Room"].pcc_probe
+    settings = add_room_probe(EMISSIVE_ROOM, (0.0, 0.0, -0.35)).pcc_probe
     settings.samples, settings.denoise = 16, False
     return scene
 
