@@ -32,7 +32,7 @@ from pcc_addon.blender import compat, node_builder, pictures  # noqa: E402
 from pcc_addon.blender.capture import OVERSCAN  # noqa: E402
 from pcc_addon.core import equirect, formula  # noqa: E402
 from pcc_addon.core.cubemap import FACES, face_directions  # noqa: E402
-from pcc_addon.core.effects import Correction, LookupEffects  # noqa: E402
+from pcc_addon.core.effects import LookupEffects  # noqa: E402
 from pcc_addon.core.expression import (  # noqa: E402
     Expr,
     absolute,
@@ -47,7 +47,7 @@ from pcc_addon.core.expression import (  # noqa: E402
     sqrt,
     vector,
 )
-from pcc_addon.core.probe import Engine  # noqa: E402
+from pcc_addon.core.probe import Box, Engine  # noqa: E402
 from sample_blends import scenes  # noqa: E402
 
 PAGE = ROOT / "docs" / "picture_layouts.md"
@@ -435,20 +435,17 @@ def direction_attribute(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
 def floor_direction(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
     """The box-corrected direction on the emissive room's floor, from the room's centre."""
     place = scenes.EMISSIVE_ROOM
-    node = group_node(tree, "box", formula.lookup(LookupEffects(Correction.ORIENTED_BOX)))
-    inverse = (place.matrix @ Matrix.Diagonal(place.half_extents).to_4x4()).to_3x3().inverted()
+    box = Box.from_matrix("room", np.array(place.matrix @ Matrix.Diagonal((*place.half_extents, 1.0))))
+    node = group_node(tree, "box", formula.lookup(LookupEffects(box.correction, None, offset=False)))
     constants = {
-        "Box Centre": place.centre,
-        "Capture Point": place.centre,
-        "Half Extents": place.half_extents,
-        "Padding": 0.01,
-        "Falloff": 0.25,
-        **{f"Box Row {axis}": row for axis, row in zip("XYZ", inverse, strict=True)},
+        "Box Centre": box.centre,
+        "Half Widths": box.half_widths,
+        "Turn Mirror": box.turn_mirror,
     }
     geometry = tree.nodes.new("ShaderNodeNewGeometry")
     for socket in node.inputs:
         if socket.name in constants:
-            socket.default_value = Vector(constants[socket.name]) if socket.type == "VECTOR" else constants[socket.name]
+            socket.default_value = Vector(constants[socket.name])
         else:
             tree.links.new(geometry.outputs[socket.name], socket)
     return node.outputs["Direction"]

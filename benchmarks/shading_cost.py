@@ -12,7 +12,7 @@ import bpy
 from benchmarks.measure import render, start, table, write_page
 from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room, gallery
 
-ROUNDS = 7
+ROUNDS = 15
 
 
 def main() -> None:
@@ -31,15 +31,16 @@ def measure(name: str, scene: bpy.types.Scene) -> list[str]:
     probe = next(o for o in scene.objects if o.pcc_probe.is_probe)
     probe.pcc_probe.resolution, probe.pcc_probe.samples = 256, 8
     bpy.ops.pcc.bake(scope="ALL")
-    seconds: dict[str, list[float]] = {"BOX": [], "NONE": [], "PATH": []}
+    kinds = ("BOX", "NONE", "PATH")
+    seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
     for turn in range(ROUNDS + 1):
-        for kind in ("BOX", "NONE") if turn % 2 else ("NONE", "BOX"):
-            probe.pcc_probe.correction = kind
-            bpy.ops.pcc.inject()
+        for kind in kinds[turn % 3 :] + kinds[: turn % 3]:  # none always follows the same other
+            bpy.ops.pcc.remove()
+            if kind != "PATH":
+                probe.pcc_probe.correction = kind
+                bpy.ops.pcc.inject()
             seconds[kind].append(render(scene, samples=32).seconds)
-        bpy.ops.pcc.remove()
-        seconds["PATH"].append(render(scene, samples=32).seconds)
-    box, classic, path = (median(seconds[kind][1:]) for kind in ("BOX", "NONE", "PATH"))  # the first warms up
+    box, classic, path = (median(seconds[kind][1:]) for kind in kinds)  # the first round warms up
     return [name, f"{box / classic:.3f}", f"{box / path:.3f}", f"{path:.2f}"]
 
 

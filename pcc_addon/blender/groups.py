@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 
 import bpy
@@ -13,7 +14,7 @@ from ..core.probe import ProbeSpec
 from ..core.reflectance import surface
 from . import node_builder
 
-VERSION = 1
+VERSION = 2
 _TAG, _VERSION = "pcc", "pcc_version"  # custom properties of groups and nodes that are ours
 _BUILT_FOR = "pcc_built_for"  # the matrix of the probe when its group was built
 _LOOKUP, _SURFACE, _GUARD = "Lookup, ", "Surface, ", "Off Poles"
@@ -22,18 +23,21 @@ _LOOKUP, _SURFACE, _GUARD = "Lookup, ", "Surface, ", "Off Poles"
 # first row of the 3×3 part, u v w the translation. Animation paths name the column first.
 _ENTRIES = {name: f"matrix_world[{k % 3}][{k // 3}]" for k, name in enumerate("abcdefghi")}
 _ENTRIES |= {name: f"matrix_world[3][{k}]" for k, name in enumerate("uvw")}
-_DETERMINANT = "(a*(e*i-f*h)-b*(d*i-f*g)+c*(d*h-e*g))"
+_DETERMINANT = "a*(e*i-f*h)-b*(d*i-f*g)+c*(d*h-e*g)"
+# Each row is the cross product of two edges of the box, normal to the faces that they span.
 _COFACTORS = (
     ("e*i-f*h", "c*h-b*i", "b*f-c*e"),
     ("f*g-d*i", "a*i-c*g", "c*d-a*f"),
     ("d*h-e*g", "b*g-a*h", "a*e-b*d"),
 )
+_AREAS = tuple(f"max(sqrt({'+'.join(f'pow({n},2)' for n in row)}),1e-300)" for row in _COFACTORS)
 _DRIVEN = {
     "Box Centre": ("u", "v", "w"),
-    "Half Extents": ("sqrt(a*a+d*d+g*g)", "sqrt(b*b+e*e+h*h)", "sqrt(c*c+f*f+i*i)"),
+    "Half Widths": tuple(f"abs({_DETERMINANT})/{area}" for area in _AREAS),
+    "Turn Mirror": ("-sin(atan2(d,a)/2)", "cos(atan2(d,a)/2)", "0"),
     **{
-        f"Box Row {axis}": tuple(f"({n})/{_DETERMINANT} if {_DETERMINANT} else 0" for n in row)
-        for axis, row in zip("XYZ", _COFACTORS, strict=True)
+        f"Face Normal {axis}": tuple(f"({n})/{area}" for n in row)
+        for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)
     },
 }
 
@@ -200,6 +204,4 @@ def _driven_vector(
 
 def _letters(expression: str) -> set[str]:
     """The one-letter names in a driver expression."""
-    for word in ("sqrt", "if", "else"):
-        expression = expression.replace(word, " ")
-    return {character for character in expression if character.isalpha()}
+    return set(re.findall(r"\b[a-z]\b", expression))

@@ -7,14 +7,15 @@ import bpy
 from ..core.errors import PccError
 from . import groups
 from .levels import refresh_group
-from .probes import probe_spec
+from .probes import bake_record, probe_spec
 
 
 @bpy.app.handlers.persistent
 def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Give a probe that was moved the lookup that holds wherever it is now; the next injection specialises it again.
 
-    Drivers follow the box; what they cannot follow is that it was unrotated, or held all surfaces.
+    Drivers follow the box; what they cannot follow is that it was unrotated, held all surfaces or was captured from its
+    centre.
     """
     for update in depsgraph.updates:
         probe = update.id.original
@@ -25,7 +26,11 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
         if not groups.was_moved(probe):
             continue
         try:
-            if groups.shown_effects(probe.pcc_probe.group) != probe_spec(probe).effects(all_inside=False).label:
+            record = bake_record(probe)
+            if record is None:
+                continue
+            needed = probe_spec(probe).effects(all_inside=False, captured_at=record.capture_point)
+            if groups.shown_effects(probe.pcc_probe.group) != needed.label:
                 refresh_group(probe)
         except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
             continue

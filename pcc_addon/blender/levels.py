@@ -124,7 +124,8 @@ def refresh_group(probe: bpy.types.Object, all_inside: bool = False) -> None:
     record = bake_record(probe)
     if record is not None:
         spec = probe_spec(probe)
-        groups.build_probe_group(probe, spec, spec.effects(all_inside), record.capture_point)
+        effects = spec.effects(all_inside, record.capture_point)
+        groups.build_probe_group(probe, spec, effects, record.capture_point)
         groups.drop_unused_groups()
 
 

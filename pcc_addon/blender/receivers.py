@@ -97,7 +97,6 @@ def _belonging(probe: ProbeSpec, corners: np.ndarray) -> float:
     steps = np.linspace(0.0, 1.0, 5)
     low, high = corners.min(0), corners.max(0)
     grid = np.stack(np.meshgrid(steps, steps, steps), -1).reshape(-1, 3)
-    coordinates = (low + grid * (high - low) - probe.box.centre) @ probe.box.rows.T
-    reach = 1.0 + probe.influence_padding / probe.box.half_extents
-    inside = (np.abs(coordinates) <= reach).all(-1).mean()
-    return float(inside + 1e-3 / (1.0 + np.abs(coordinates).max(-1).mean()))
+    distances = np.abs(probe.box.coordinates(low + grid * (high - low)))
+    inside = (distances <= probe.box.half_widths + probe.influence_padding).all(-1).mean()
+    return float(inside + 1e-3 / (1.0 + (distances / probe.box.half_widths).max(-1).mean()))

@@ -11,6 +11,7 @@ class Correction(str, Enum):
 
     NONE = "NONE"  # the reflection vector itself: the classic cubemap (S1)
     ALIGNED_BOX = "ALIGNED_BOX"  # box faces along the world axes (S7)
+    TURNED_BOX = "TURNED_BOX"  # turned about the vertical only
     ORIENTED_BOX = "ORIENTED_BOX"  # any box: rotated, mirrored, sheared (S2, S12)
 
 
@@ -29,10 +30,12 @@ class LookupEffects:
         correction: how the direction is found.
         outside: what a surface outside the influence volume shows, or None where no surface lies outside, so that
             nothing need be tested or faded.
+        offset: whether the capture point is apart from the box's centre (S5).
     """
 
     correction: Correction = Correction.ORIENTED_BOX
     outside: Outside | None = Outside.UNCORRECTED
+    offset: bool = True
 
     @property
     def label(self) -> str:
@@ -40,6 +43,7 @@ class LookupEffects:
         words = [self.correction.value.lower().replace("_", " ")]
         if self.correction is not Correction.NONE:
             words.append(f"outside {self.outside.value.lower()}" if self.outside else "inside")
+            words.append("offset" if self.offset else "centred")
         return ", ".join(words)
 
 

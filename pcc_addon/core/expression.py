@@ -195,11 +195,6 @@ def clamp(a: Operand, low: Operand = 0.0, high: Operand = 1.0) -> Expr:
     return minimum(maximum(a, low), high)
 
 
-def least(v: Expr) -> Expr:
-    """The smallest component of a vector."""
-    return minimum(minimum(v.x, v.y), v.z)
-
-
 def greatest(v: Expr) -> Expr:
     """The largest component of a vector."""
     return maximum(maximum(v.x, v.y), v.z)

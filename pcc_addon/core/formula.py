@@ -1,10 +1,11 @@
 """The reflection lookup, written once. NumPy evaluates it, the node builder emits it, text can come of it.
 
-All positions and directions are in world space, in metres. The box is given by the rows of the inverse of its
-3×3 matrix, so that box coordinates o = rows · (P − C) lie in [−1, 1]³ inside; no row needs unit length and the
-rows need not be orthogonal. Subtracting the centre before multiplying keeps digits far from the origin.
+All positions and directions are in world space, in metres. A box is three pairs of parallel planes: along each unit
+face normal n the coordinate n · (P − C) lies in [−h, h] inside. Subtracting the centre first keeps digits far from
+the origin. The normals need not be orthogonal.
 
-Source of the box intersection: the slab method (Kay and Kajiya 1986), for a ray that starts inside.
+Source of the box intersection: the slab method (Kay and Kajiya 1986) for a ray that starts inside, by the reciprocal
+of the distance, so that nothing overflows or is undefined.
 """
 
 from __future__ import annotations
@@ -20,7 +21,6 @@ from .expression import (
     combine,
     dot,
     greatest,
-    least,
     length,
     lift,
     maximum,
@@ -34,15 +34,17 @@ from .expression import (
     vector,
 )
 
-# Smaller than any |d| that can decide an intersection (boxes up to 1e9 m), and 2 / TINY is still finite in float32.
-TINY = 1e-30
+# Metres; a point nearer to a wall than this is on it. Below the spacing of float32 in any box larger than 0.1 mm, and
+# its reciprocal times any distance can still be squared.
+ON_WALL = 1e-12
 
 POSITION = vector("Position")
 INCOMING = vector("Incoming")  # unit, from the surface to the eye, as Blender's Geometry node gives it
 NORMAL = vector("Normal")  # unit
 CENTRE = vector("Box Centre")
-ROW_X, ROW_Y, ROW_Z = vector("Box Row X"), vector("Box Row Y"), vector("Box Row Z")
-HALF_EXTENTS = vector("Half Extents")
+NORMAL_X, NORMAL_Y, NORMAL_Z = vector("Face Normal X"), vector("Face Normal Y"), vector("Face Normal Z")
+TURN_MIRROR = vector("Turn Mirror")  # unit, horizontal: the mirror in its plane takes the box's axes to the world's
+HALF_WIDTHS = vector("Half Widths")  # from the centre to each pair of faces
 CAPTURE_POINT = vector("Capture Point")
 PADDING = scalar("Padding")
 FALLOFF = scalar("Falloff")
@@ -50,30 +52,32 @@ DIRECTION = vector("Direction")
 STEEPEST = scalar("Steepest")
 
 
-def oriented_coordinates(v: Expr) -> Expr:
-    """A world-space offset or direction in box coordinates, for any box (S2, S12)."""
-    return combine(dot(ROW_X, v), dot(ROW_Y, v), dot(ROW_Z, v))
+def along_face_normals(correction: Correction, v: Expr) -> Expr:
+    """A world-space vector by its components along the box's face normals, of either sign.
 
-
-def aligned_coordinates(v: Expr) -> Expr:
-    """The same where the rows are diagonal (S7)."""
-    return v * combine(ROW_X.x, ROW_Y.y, ROW_Z.z)
-
-
-def exit_distance(o: Expr, back: Expr) -> Expr:
-    """How far along a ray its exit from the box [−1, 1]³ lies, in units of the undivided direction.
-
-    `o` and `back` are the origin and the reversed direction in box coordinates. Each axis has one plane ahead, at
-    −sign(back), so its distance is (1 + o·sign(back)) / |back|: no infinity for a parallel ray, no 0/0, and 0 for a
-    point on the wall that looks out of it.
+    A box is its own mirror image, so where its axes are turned about the vertical only, one reflection stands for the
+    rotation (Householder 1958).
     """
-    ahead = multiply_add(o, sign(back), 1.0) / maximum(absolute(back), TINY)
-    return least(ahead)
+    if correction is Correction.ALIGNED_BOX:
+        return v  # S7
+    if correction is Correction.TURNED_BOX:
+        return reflect(v, TURN_MIRROR)
+    return combine(dot(NORMAL_X, v), dot(NORMAL_Y, v), dot(NORMAL_Z, v))  # S2, S12
 
 
-def influence_weight(o: Expr) -> Expr:
+def nearness(q: Expr, back: Expr) -> Expr:
+    """The reciprocal of how far along a ray from inside its exit from the box lies, in 1/metres; never negative.
+
+    `q` and `back` are the origin and the reversed unit direction along the face normals. Each axis has one plane
+    ahead, on the side of −sign(back), at the distance (h + q·sign(back)) / |back|. Its reciprocal is 0 for a parallel
+    ray and large, not infinite, for a point on the wall that looks out of it.
+    """
+    return greatest(absolute(back) / maximum(multiply_add(q, sign(back), HALF_WIDTHS), ON_WALL))
+
+
+def influence_weight(q: Expr) -> Expr:
     """1 inside the box and its padding, fading smoothly to 0 over the falloff (S3, S4)."""
-    outside = greatest((absolute(o) - 1.0) * HALF_EXTENTS) - PADDING
+    outside = greatest(absolute(q) - HALF_WIDTHS) - PADDING
     linear = clamp(1.0 - outside / maximum(FALLOFF, 1e-9))
     return linear * linear * (3.0 - 2.0 * linear)
 
@@ -87,14 +91,13 @@ def lookup(effects: LookupEffects) -> dict[str, Expr]:
     back = reflect(INCOMING, NORMAL)  # the reflected ray, reversed: incoming points to the eye (S1)
     if effects.correction is Correction.NONE:
         return {"Direction": back * -1.0, "Weight": lift(1.0)}
-    aligned = effects.correction is Correction.ALIGNED_BOX
-    coordinates = aligned_coordinates if aligned else oriented_coordinates
-    o, d = coordinates(POSITION - CENTRE), coordinates(back)
-    distance = exit_distance(o, d)
+    from_centre = POSITION - CENTRE
+    from_capture = POSITION - CAPTURE_POINT if effects.offset else from_centre  # S5
+    q, d = along_face_normals(effects.correction, from_centre), along_face_normals(effects.correction, back)
+    corrected = from_capture * nearness(q, d) - back  # (hit − B) / t with hit = P − t·back; its length does not count
     if effects.outside is None:
-        return {"Direction": (POSITION - CAPTURE_POINT) - back * distance, "Weight": lift(1.0)}
-    corrected = (POSITION - CAPTURE_POINT) - back * maximum(distance, 0.0)  # S5
-    weight = influence_weight(o)
+        return {"Direction": corrected, "Weight": lift(1.0)}
+    weight = influence_weight(q)
     if effects.outside is Outside.BLACK:
         return {"Direction": corrected, "Weight": weight}
     return {"Direction": mix(back * -1.0, normalize(corrected), weight), "Weight": lift(1.0)}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -13,6 +15,7 @@ from .errors import ProbeError
 MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION = 16, 4096
 _FLATTEST = 1e-9  # smallest accepted ratio of a box's volume to that of a box with the same edge lengths
 _ULP = float(np.finfo(np.float32).eps)
+_UPRIGHT = 4.0 * _ULP  # how far, in radians, a box that counts as turned about the vertical may lean
 _INFINITE = float(np.finfo(np.float32).max)  # Blender turns an infinity that a script sets into this
 
 
@@ -67,15 +70,36 @@ class Box:
         return np.linalg.norm(self.axes, axis=0)
 
     @property
-    def rows(self) -> np.ndarray:
-        """(3, 3) float64, rows of the inverse: box coordinates are rows @ (world − centre)."""
-        return np.linalg.inv(self.axes)
+    def face_normals(self) -> np.ndarray:
+        """(3, 3) float64, rows: unit normals of the faces that local X, Y and Z meet."""
+        rows = np.linalg.inv(self.axes)
+        return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
     @property
-    def is_aligned(self) -> bool:
-        """Whether the box's axes are the world's axes, in order and of either sign."""
+    def half_widths(self) -> np.ndarray:
+        """(3,) float64, metres, from the centre to each pair of faces; the half extents unless a parent shears."""
+        return 1.0 / np.linalg.norm(np.linalg.inv(self.axes), axis=1)
+
+    @property
+    def turn_mirror(self) -> np.ndarray:
+        """(3,) float64, unit, horizontal: the mirror that takes a box turned about the vertical to the world's axes."""
+        half_turn = math.atan2(self.axes[1, 0], self.axes[0, 0]) / 2.0
+        return np.array([-math.sin(half_turn), math.cos(half_turn), 0.0])
+
+    @property
+    def correction(self) -> Correction:
+        """The cheapest correction that fits the box."""
         axes = self.axes
-        return bool((axes == np.diag(np.diag(axes))).all())
+        if (axes == np.diag(np.diag(axes))).all():
+            return Correction.ALIGNED_BOX
+        mirror = self.turn_mirror
+        straight = axes - 2.0 * np.outer(mirror, mirror @ axes)
+        rest = np.abs(straight - np.diag(np.diag(straight))) / self.half_extents
+        return Correction.TURNED_BOX if (rest <= _UPRIGHT).all() else Correction.ORIENTED_BOX
+
+    def coordinates(self, points: np.ndarray) -> np.ndarray:
+        """World-space points (n, 3) as metres from the centre along the face normals, (n, 3)."""
+        return (points - self.centre) @ self.face_normals.T
 
 
 @dataclass(frozen=True)
@@ -135,12 +159,17 @@ class ProbeSpec:
         unit_axes = self.box.axes / self.box.half_extents
         return self.box.centre + unit_axes @ np.array(self.capture_offset)
 
-    def effects(self, all_inside: bool) -> LookupEffects:
-        """The lookup effects that the probe calls for; `all_inside`: no surface that shows it leaves its box."""
+    def effects(self, all_inside: bool, captured_at: Sequence[float]) -> LookupEffects:
+        """The lookup effects that the probe calls for.
+
+        Args:
+            all_inside: whether no surface that shows it leaves its box.
+            captured_at: where its pictures were taken, world space, metres.
+        """
         if not self.corrected:
-            return LookupEffects(Correction.NONE, None)
-        correction = Correction.ALIGNED_BOX if self.box.is_aligned else Correction.ORIENTED_BOX
-        return LookupEffects(correction, None if all_inside else self.outside)
+            return LookupEffects(Correction.NONE, None, False)
+        offset = tuple(captured_at) != tuple(self.box.centre)
+        return LookupEffects(self.box.correction, None if all_inside else self.outside, offset)
 
     @property
     def influence_padding(self) -> float:
@@ -150,14 +179,14 @@ class ProbeSpec:
 
     def contains(self, corners: np.ndarray) -> bool:
         """Whether world-space points (n, 3), and all between them, lie within the box and its padding."""
-        coordinates = np.abs((corners - self.box.centre) @ self.box.rows.T)
-        return bool((coordinates <= 1.0 + self.influence_padding / self.box.half_extents).all())
+        reach = self.box.half_widths + self.influence_padding
+        return bool((np.abs(self.box.coordinates(corners)) <= reach).all())
 
     def overlaps(self, corners: np.ndarray) -> bool:
         """Whether a convex cloud of world-space points (n, 3) may reach into the influence volume.
 
         Tests separation along the box's face normals only, so it errs towards True.
         """
-        coordinates = (corners - self.box.centre) @ self.box.rows.T
-        limit = 1.0 + (self.influence_padding + self.falloff) / self.box.half_extents
-        return bool((coordinates.max(0) >= -limit).all() and (coordinates.min(0) <= limit).all())
+        coordinates = self.box.coordinates(corners)
+        reach = self.box.half_widths + self.influence_padding + self.falloff
+        return bool((coordinates.max(0) >= -reach).all() and (coordinates.min(0) <= reach).all())

@@ -39,12 +39,16 @@ def check_box(probe: bpy.types.Object) -> None:
     found = box(probe)
     expected = probe_spec(probe).box
     assert np.allclose(found["Box Centre"], expected.centre, rtol=4 * EPS, atol=0.0)
-    if "Half Extents" in found:
-        assert np.allclose(found["Half Extents"], expected.half_extents, rtol=4 * EPS, atol=0.0)
-    # Each row is (cofactors / determinant) of float32 numbers; products of a sheared box cancel.
-    rows = np.array([found[f"Box Row {axis}"] for axis in "XYZ"])
-    scale = np.abs(expected.rows).max(1, keepdims=True) * np.linalg.cond(expected.axes / expected.half_extents)
-    assert (np.abs(rows - expected.rows) <= 4 * EPS * scale).all()
+    # Cofactors and determinant are of float32 numbers; products of a sheared box cancel.
+    lost = 4 * EPS * np.linalg.cond(expected.axes / expected.half_extents)
+    if "Half Widths" in found:
+        assert np.allclose(found["Half Widths"], expected.half_widths, rtol=lost, atol=0.0)
+    if "Turn Mirror" in found:
+        assert np.allclose(found["Turn Mirror"], expected.turn_mirror, rtol=0.0, atol=4 * EPS)
+    if "Face Normal X" in found:
+        normals = np.array([found[f"Face Normal {axis}"] for axis in "XYZ"])
+        signs = np.sign(np.diag(normals @ expected.face_normals.T))[:, None]  # a mirrored box turns them all
+        assert np.allclose(normals * signs, expected.face_normals, rtol=0.0, atol=lost)
 
 
 @pytest.fixture
@@ -150,34 +154,53 @@ def test_a_driver_expression_of_python_would_not_count_as_simple(probe) -> None:
 
 
 def test_the_capture_point_stays_where_the_pictures_were_taken(probe) -> None:
-    find = next(node for node in probe.pcc_probe.group.nodes if node.label == "Lookup")
-    before = tuple(find.inputs["Capture Point"].default_value)
-    assert before == pytest.approx(tuple(probe_spec(probe).capture_point))
-    probe.location.x += 5.0
-    probe.rotation_euler.z += 1.0
-    bpy.context.view_layer.update()
-    find = next(node for node in probe.pcc_probe.group.nodes if node.label == "Lookup")
-    assert tuple(find.inputs["Capture Point"].default_value) == before
+    captured_at = tuple(probe_spec(probe).capture_point)
+    for _ in range(2):
+        probe.location.x += 5.0
+        probe.rotation_euler.z += 1.0
+        bpy.context.view_layer.update()
+        find = next(node for node in probe.pcc_probe.group.nodes if node.label == "Lookup")
+        assert tuple(find.inputs["Capture Point"].default_value) == pytest.approx(captured_at)
 
 
-ALIGNED = LookupEffects(Correction.ALIGNED_BOX, Outside.UNCORRECTED).label
-ORIENTED = LookupEffects(Correction.ORIENTED_BOX, Outside.UNCORRECTED).label
+_CLASSIC, ALIGNED, TURNED_ABOUT_Z, ORIENTED = (
+    LookupEffects(correction, Outside.UNCORRECTED, False).label for correction in Correction
+)
 
 
-def test_a_probe_that_is_turned_gets_the_oriented_lookup_and_back(scene) -> None:
+def test_a_probe_that_is_turned_gets_the_lookup_that_holds_there_and_back(scene) -> None:
     probe = small_probe()
     pretend_bake(probe)
     show(probe)
     user = bpy.data.materials["Shows the Probe"].node_tree.nodes["Group"]
     assert groups.shown_effects(probe.pcc_probe.group) == ALIGNED
-    probe.rotation_euler.z = math.radians(10.0)
+    for degrees in (10.0, -135.0, 180.0):
+        probe.rotation_euler.z = math.radians(degrees)
+        bpy.context.view_layer.update()
+        assert groups.shown_effects(probe.pcc_probe.group) == TURNED_ABOUT_Z
+        check_box(probe)
+    probe.rotation_euler.x = 0.1
     bpy.context.view_layer.update()
     assert groups.shown_effects(probe.pcc_probe.group) == ORIENTED
     check_box(probe)
-    probe.rotation_euler.z = 0.0
+    probe.rotation_euler = (0.0, 0.0, 0.0)
     bpy.context.view_layer.update()
     assert groups.shown_effects(probe.pcc_probe.group) == ALIGNED
     assert user.node_tree == probe.pcc_probe.group, "materials keep using the group"
+
+
+def test_a_probe_moved_away_from_its_capture_point_gets_the_lookup_with_an_offset_and_back(scene) -> None:
+    probe = small_probe(rotation=TURNED)
+    pretend_bake(probe)
+    show(probe)
+    assert groups.shown_effects(probe.pcc_probe.group) == ORIENTED
+    probe.location.x += 0.5
+    bpy.context.view_layer.update()
+    moved = LookupEffects(Correction.ORIENTED_BOX, Outside.UNCORRECTED, offset=True)
+    assert groups.shown_effects(probe.pcc_probe.group) == moved.label
+    probe.location.x -= 0.5
+    bpy.context.view_layer.update()
+    assert groups.shown_effects(probe.pcc_probe.group) == ORIENTED
 
 
 def test_a_probe_whose_parent_is_turned_gets_the_oriented_lookup(scene) -> None:
@@ -188,9 +211,9 @@ def test_a_probe_whose_parent_is_turned_gets_the_oriented_lookup(scene) -> None:
     bpy.context.view_layer.update()
     pretend_bake(probe)
     assert groups.shown_effects(probe.pcc_probe.group) == ALIGNED
-    parent.rotation_euler.z = 1.0
+    parent.rotation_euler.y = 1.0
     bpy.context.view_layer.update()
-    assert groups.shown_effects(probe.pcc_probe.group) == ORIENTED
+    assert groups.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.ORIENTED_BOX).label
 
 
 @pytest.mark.parametrize(
@@ -204,7 +227,7 @@ def test_a_changed_setting_is_shown_at_once(probe, setting, value, socket) -> No
 
 def test_the_classic_lookup_and_the_black_outside_are_shown_at_once(probe) -> None:
     probe.pcc_probe.outside = "BLACK"
-    assert groups.shown_effects(probe.pcc_probe.group) == LookupEffects(outside=Outside.BLACK).label
+    assert groups.shown_effects(probe.pcc_probe.group) == LookupEffects(outside=Outside.BLACK, offset=False).label
     probe.pcc_probe.correction = "NONE"
-    assert groups.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.NONE).label
+    assert groups.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.NONE, None, False).label
     assert probe.pcc_probe.group.animation_data is None or not probe.pcc_probe.group.animation_data.drivers

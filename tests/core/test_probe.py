@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -65,10 +66,12 @@ def test_any_box_with_volume_is_accepted_whatever_its_size(kind: str, scale: flo
 
 
 @KINDS
-def test_rows_take_the_world_to_the_unit_box(kind: str) -> None:
+def test_a_walk_along_a_half_edge_ends_on_its_face_and_stays_between_the_others(kind: str) -> None:
     m, box = random_box(kind, 2)
-    np.testing.assert_allclose(box.rows @ m[:3, :3], np.eye(3), atol=1e-12)
-    np.testing.assert_allclose(m[:3, :3] @ box.rows, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(box.face_normals, axis=1), 1.0, rtol=1e-14)
+    np.testing.assert_allclose(box.coordinates(m[:3, 3] + m[:3, :3].T), np.diag(box.half_widths), atol=1e-12)
+    if kind != "sheared":
+        np.testing.assert_allclose(box.half_widths, box.half_extents)
 
 
 @KINDS
@@ -78,19 +81,30 @@ def test_half_extents_are_the_lengths_of_the_half_edges(kind: str) -> None:
     np.testing.assert_allclose(box.half_extents, np.sqrt(((wall_centres - m[:3, 3:]) ** 2).sum(0)))
 
 
-def test_boxes_are_aligned_only_along_the_worlds_axes_in_order() -> None:
-    def aligned(axes: np.ndarray) -> bool:
-        m = np.eye(4)
-        m[:3, :3] = axes
-        return Box.from_matrix("Hall", m).is_aligned
+def correction(axes: np.ndarray) -> Correction:
+    m = np.eye(4)
+    m[:3, :3] = axes
+    return Box.from_matrix("Hall", m).correction
 
-    assert aligned(np.diag([1.0, 2.0, 3.0]))
-    assert aligned(np.diag([-1.0, 2.0, -3.0]))
-    quarter_turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    assert not aligned(quarter_turn)
-    assert not aligned(np.eye(3) + 1e-7 * np.eye(3, k=1)), "a millionth of a turn shows in a large room"
+
+def test_boxes_are_aligned_only_along_the_worlds_axes_in_order() -> None:
+    assert correction(np.diag([1.0, 2.0, 3.0])) is Correction.ALIGNED_BOX
+    assert correction(np.diag([-1.0, 2.0, -3.0])) is Correction.ALIGNED_BOX
+    assert correction(np.eye(3) + 1e-7 * np.eye(3, k=1)) is not Correction.ALIGNED_BOX, "it shows in a large room"
     for kind in ("rotated", "mirrored", "sheared"):
-        assert not random_box(kind, 4)[1].is_aligned
+        assert random_box(kind, 4)[1].correction is Correction.ORIENTED_BOX
+
+
+def test_boxes_are_turned_only_about_the_vertical_and_without_shear() -> None:
+    half_extents = np.diag([4.0, 3.0, 0.5])
+    for degrees in (-180, -90, -60, 10, 24, 45, 90, 135):
+        c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]).astype(np.float32)
+        assert correction(turn @ half_extents) is Correction.TURNED_BOX, "as Blender rounds it"
+        assert correction(turn @ half_extents @ np.diag([-1.0, 1.0, 1.0])) is Correction.TURNED_BOX, "mirrored"
+        assert correction(half_extents @ turn) is Correction.ORIENTED_BOX or degrees % 90 == 0, "sheared by a parent"
+        lean = np.array([[1.0, 0.0, 1e-5], [0.0, 1.0, 0.0], [-1e-5, 0.0, 1.0]])
+        assert correction(lean @ turn @ half_extents) is Correction.ORIENTED_BOX
 
 
 @KINDS
@@ -156,9 +170,11 @@ def test_a_probe_calls_for_the_cheapest_correction_that_fits_its_box() -> None:
         _, box = random_box(kind, 7)
         spec = ProbeSpec("Hall", box, outside=Outside.BLACK)
         expected = Correction.ALIGNED_BOX if kind == "unrotated" else Correction.ORIENTED_BOX
-        assert spec.effects(all_inside=False) == LookupEffects(expected, Outside.BLACK)
-        assert spec.effects(all_inside=True) == LookupEffects(expected, None)
-        assert ProbeSpec("Hall", box, corrected=False).effects(False).correction is Correction.NONE
+        aside = box.centre + 0.1
+        assert spec.effects(all_inside=False, captured_at=aside) == LookupEffects(expected, Outside.BLACK, True)
+        assert spec.effects(all_inside=True, captured_at=aside) == LookupEffects(expected, None, True)
+        assert spec.effects(all_inside=True, captured_at=spec.capture_point) == LookupEffects(expected, None, False)
+        assert ProbeSpec("Hall", box, corrected=False).effects(False, aside).correction is Correction.NONE
 
 
 def test_far_from_the_origin_the_influence_grows_by_what_float32_cannot_tell() -> None:
@@ -190,11 +206,11 @@ def test_a_cloud_with_a_point_inside_the_influence_overlaps(
     corners = boxes.inside(m, count, rng, reach)
     shares = rng.dirichlet(np.ones(count), 20)
     within = shares @ corners  # points of the cloud's convex hull
-    rows = {f"Box Row {axis}": row for axis, row in zip("XYZ", box.rows, strict=True)}
-    inputs = {"Half Extents": box.half_extents, "Padding": spec.influence_padding, "Falloff": falloff, **rows}
-    o = formula.oriented_coordinates(formula.POSITION)
+    normals = {f"Face Normal {axis}": row for axis, row in zip("XYZ", box.face_normals, strict=True)}
+    inputs = {"Half Widths": box.half_widths, "Padding": spec.influence_padding, "Falloff": falloff, **normals}
+    q = formula.along_face_normals(Correction.ORIENTED_BOX, formula.POSITION)
     weights = evaluate(
-        {"w": formula.influence_weight(o)},
+        {"w": formula.influence_weight(q)},
         {"Position": np.vstack([corners, within]) - box.centre, **inputs},
         np.float64,
     )["w"]
@@ -218,7 +234,7 @@ def test_a_cloud_beyond_a_wall_does_not_overlap(kind: str) -> None:
     for axis in range(3):
         for side in (-1.0, 1.0):
             local = cloud.copy()
-            local[:, axis] = side * (1.0 + 0.301 / box.half_extents[axis] + np.abs(cloud[:, axis]))
+            local[:, axis] = side * (1.0 + 0.301 / box.half_widths[axis] + np.abs(cloud[:, axis]))
             assert not spec.overlaps(m[:3, 3] + local @ m[:3, :3].T)
-            local[0, axis] = side * (1.0 + 0.299 / box.half_extents[axis])
+            local[0, axis] = side * (1.0 + 0.299 / box.half_widths[axis])
             assert spec.overlaps(m[:3, 3] + local @ m[:3, :3].T)
