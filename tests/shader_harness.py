@@ -19,25 +19,32 @@ import numpy as np
 from pcc_addon.blender import compat, node_builder, pictures
 from pcc_addon.blender.overrides import temporary
 from pcc_addon.core.expression import Expr
+from pcc_addon.core.probe import Engine
 
 
-def evaluate_expressions(outputs: Mapping[str, Expr], inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def evaluate_expressions(
+    outputs: Mapping[str, Expr], inputs: Mapping[str, np.ndarray], engine: Engine = Engine.CYCLES
+) -> dict[str, np.ndarray]:
     """Emit `outputs` as a node group, run that on `inputs`, and remove it again; see `evaluate_group`."""
     with ExitStack() as stack:
         tree = temporary(stack, bpy.data.node_groups, bpy.data.node_groups.new("harness", "ShaderNodeTree"))
         node_builder.emit(tree, outputs)
-        return evaluate_group(tree, inputs)
+        return evaluate_group(tree, inputs, engine=engine)
 
 
 def evaluate_group(
-    tree: bpy.types.ShaderNodeTree, inputs: Mapping[str, np.ndarray], outputs: Iterable[str] | None = None
+    tree: bpy.types.ShaderNodeTree,
+    inputs: Mapping[str, np.ndarray],
+    outputs: Iterable[str] | None = None,
+    engine: Engine = Engine.CYCLES,
 ) -> dict[str, np.ndarray]:
-    """Run a shader node group on arrays, with Cycles on the CPU; one render an output.
+    """Run a shader node group on arrays, with Cycles on the CPU or with EEVEE; one render an output.
 
     Args:
         tree: the group; its sockets are floats, vectors or colours.
         inputs: for every input of the group, by name, an array (n,) or (n, 3), or one value for all cases.
         outputs: names of the outputs wanted; None: all.
+        engine: EEVEE rounds what it shows to half floats and takes at most about a dozen inputs.
 
     Returns:
         For each output (n,) float32 for a float socket and (n, 3) float32 otherwise.
@@ -55,7 +62,7 @@ def evaluate_group(
     names = [s.name for s in sockets if s.in_out == "OUTPUT"] if outputs is None else list(outputs)
     kinds = {s.name: s.socket_type for s in sockets if s.in_out == "OUTPUT"}
     with ExitStack() as stack:
-        bench = _Bench(stack, cases)
+        bench = _Bench(stack, cases, engine)
         group = bench.use_group(tree)
         for name, array in arrays.items():
             shape = (cases, 3) if wide[name] else (cases,)
@@ -70,7 +77,7 @@ def evaluate_group(
 class _Bench:
     """A scene of its own with the grid of quads and the camera; gone when the stack closes."""
 
-    def __init__(self, stack: ExitStack, cases: int) -> None:
+    def __init__(self, stack: ExitStack, cases: int, engine: Engine) -> None:
         self._cases = cases
         self._width = max(int(np.ceil(np.sqrt(cases))), 4)  # Blender renders at least 4×4 pixels
         self._height = max(-(-cases // self._width), 4)
@@ -88,7 +95,7 @@ class _Bench:
         for item in (grid, eye):
             self._scene.collection.objects.link(item)
         self._scene.camera = eye
-        self._set_render()
+        self._set_render(engine)
         self._nodes().clear()
         self._emission = self._nodes().new("ShaderNodeEmission")
         output = self._nodes().new("ShaderNodeOutputMaterial")
@@ -116,9 +123,10 @@ class _Bench:
         mesh.update(calc_edges=True)
         mesh.materials.append(self._material)
 
-    def _set_render(self) -> None:
+    def _set_render(self, engine: Engine) -> None:
         scene = self._scene
-        scene.render.engine = "CYCLES"
+        scene.render.engine = compat.engine_id(engine)
+        scene.render.filter_size, scene.eevee.taa_render_samples = 0.01, 1
         scene.render.resolution_x, scene.render.resolution_y = self._width, self._height
         scene.render.resolution_percentage = 100
         scene.render.dither_intensity = 0.0

@@ -129,7 +129,7 @@ def build_probe_group(
     constants = {
         "Capture Point": capture_point,
         "Padding": spec.influence_padding,
-        "Falloff": spec.falloff,
+        "Falloff": spec.influence_falloff,
     }
     for k, socket in enumerate(find.inputs):
         if socket.name in given:

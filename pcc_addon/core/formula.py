@@ -47,7 +47,7 @@ TURN_MIRROR = vector("Turn Mirror")  # unit, horizontal: the mirror in its plane
 HALF_WIDTHS = vector("Half Widths")  # from the centre to each pair of faces
 CAPTURE_POINT = vector("Capture Point")
 PADDING = scalar("Padding")
-FALLOFF = scalar("Falloff")
+FALLOFF = scalar("Falloff")  # above 0: `ProbeSpec.influence_falloff`
 DIRECTION = vector("Direction")
 STEEPEST = scalar("Steepest")
 
@@ -78,7 +78,7 @@ def nearness(q: Expr, back: Expr) -> Expr:
 def influence_weight(q: Expr) -> Expr:
     """1 inside the box and its padding, fading smoothly to 0 over the falloff (S3, S4)."""
     outside = greatest(absolute(q) - HALF_WIDTHS) - PADDING
-    linear = clamp(1.0 - outside / maximum(FALLOFF, 1e-9))
+    linear = clamp(1.0 - outside / FALLOFF)
     return linear * linear * (3.0 - 2.0 * linear)
 
 

@@ -177,6 +177,11 @@ class ProbeSpec:
         reach = float(np.abs(self.box.centre).max() + np.linalg.norm(self.box.half_extents))
         return self.padding + 4.0 * _ULP * reach
 
+    @property
+    def influence_falloff(self) -> float:
+        """The falloff, metres; an edge is a fall over a nanometre, so that shaders need not ask for zero."""
+        return max(self.falloff, 1e-9)
+
     def contains(self, corners: np.ndarray) -> bool:
         """Whether world-space points (n, 3), and all between them, lie within the box and its padding."""
         reach = self.box.half_widths + self.influence_padding

@@ -163,7 +163,7 @@ def lookup_inputs(rng: np.random.Generator, correction: Correction) -> dict[str,
         "Half Widths": half,
         "Capture Point": centre + half * rng.uniform(-0.5, 0.5, (CASES, 3)),
         "Padding": rng.uniform(0.001, 0.1, CASES),
-        "Falloff": rng.uniform(0.0, 0.5, CASES),
+        "Falloff": np.maximum(rng.uniform(-0.1, 0.5, CASES), 1e-9),
     }
 
 

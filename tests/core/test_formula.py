@@ -49,7 +49,7 @@ def look(
         "Half Widths": box.half_widths,
         "Capture Point": box.centre if capture is None else capture,
         "Padding": padding,
-        "Falloff": falloff,
+        "Falloff": max(falloff, 1e-9),
     }
     return evaluate(formula.lookup(effects), inputs, dtype)
 

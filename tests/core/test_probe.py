@@ -207,7 +207,12 @@ def test_a_cloud_with_a_point_inside_the_influence_overlaps(
     shares = rng.dirichlet(np.ones(count), 20)
     within = shares @ corners  # points of the cloud's convex hull
     normals = {f"Face Normal {axis}": row for axis, row in zip("XYZ", box.face_normals, strict=True)}
-    inputs = {"Half Widths": box.half_widths, "Padding": spec.influence_padding, "Falloff": falloff, **normals}
+    inputs = {
+        "Half Widths": box.half_widths,
+        "Padding": spec.influence_padding,
+        "Falloff": spec.influence_falloff,
+        **normals,
+    }
     q = formula.along_face_normals(Correction.ORIENTED_BOX, formula.POSITION)
     weights = evaluate(
         {"w": formula.influence_weight(q)},

@@ -1,0 +1,59 @@
+"""Runs a lookup on cases through the node group that Blender makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+
+import numpy as np
+
+from pcc_addon.blender.node_builder import inputs_of
+from pcc_addon.core.effects import Correction
+from pcc_addon.core.expression import Expr, absolute, dot, normalize, vector
+from pcc_addon.core.probe import Engine
+from tests.shader_harness import evaluate_expressions
+
+from . import variants
+from .cases import Cases
+from .families import FAMILIES
+
+_MAGNIFIED = 4096.0  # half floats then resolve differences of 1e-10, and still hold the largest
+
+
+def directions(cases: Cases, direction: Expr) -> np.ndarray:
+    """(n, 3) float32 of what Cycles computes; NaN where a component is not finite."""
+    zero = vector("Zero")  # by an input: constants would be folded away
+    outputs = {"Direction": direction, "Is Finite": dot(direction, zero) + 1.0}
+    found = _run(outputs, cases, {"Zero": np.zeros(3)}, Engine.CYCLES)
+    return np.where(found["Is Finite"][:, None] == 1.0, found["Direction"], np.nan)
+
+
+def offsets_in_eevee(cases: Cases, direction: Expr, expected: np.ndarray) -> np.ndarray:
+    """(n, 3) distances, by component, of EEVEE's unit directions from `expected` (n, 3), of length 1 as well.
+
+    The shader subtracts, because EEVEE's pictures are half floats.
+    """
+    outputs = {"Offset": absolute(normalize(direction) - vector("Expected")) * _MAGNIFIED}
+    return _run(outputs, cases, {"Expected": expected}, Engine.EEVEE)["Offset"] / _MAGNIFIED
+
+
+def values(cases: Cases, outputs: Mapping[str, Expr], extra: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What Cycles computes for several outputs, given the cases' inputs and `extra` ones."""
+    return _run(outputs, cases, extra, Engine.CYCLES)
+
+
+def _run(
+    outputs: Mapping[str, Expr], cases: Cases, extra: Mapping[str, np.ndarray], engine: Engine
+) -> dict[str, np.ndarray]:
+    given = variants.inputs(cases) | dict(extra)
+    read = {i.name: given[i.name] for i in inputs_of(outputs)}
+    return evaluate_expressions(outputs, read, engine)
+
+
+def together(count: int, correction: Correction, finite: bool = True) -> tuple[Cases, dict[str, slice]]:
+    """`count` cases of every family that has some for a correction, in one; and where each family's are."""
+    chosen = [f for f in FAMILIES if correction in f.corrections and f.finite is finite]
+    parts = [f.cases(count, correction) for f in chosen]
+    arrays = [field.name for field in fields(Cases) if field.name != "correction"]
+    joined = Cases(correction, **{name: np.concatenate([getattr(p, name) for p in parts]) for name in arrays})
+    return joined, {f.name: slice(k * count, (k + 1) * count) for k, f in enumerate(chosen)}
