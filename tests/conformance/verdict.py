@@ -11,7 +11,7 @@ from .cases import Cases
 from .reference import angle, exact
 
 VISIBLE = 1e-3  # radians; a third of a pixel of a face of 512
-WELL_CONDITIONED = 2e-5  # radians: what the bound is there
+WELL_CONDITIONED = 1e-5  # radians: what float32 cannot exceed there
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Verdict:
 
     Attributes:
         error, bound: (n,) radians.
-        finite: (n,) whether all three components are finite; a zero vector out of a ray counts as not.
+        finite: (n,) whether all three components are finite.
     """
 
     error: np.ndarray
@@ -46,8 +46,8 @@ class Verdict:
 def judge(cases: Cases, direction: np.ndarray) -> Verdict:
     """Compare computed directions (n, 3) with the exact ones."""
     truth = exact(cases)
-    defined = np.linalg.norm(truth.direction, axis=-1) > 0
-    with np.errstate(invalid="ignore"):
-        finite = np.isfinite(direction).all(-1) & ((np.abs(direction).max(-1) > 0) | ~defined)
-        error = np.where(finite, angle(np.nan_to_num(direction), truth.direction), np.pi)
+    finite = np.isfinite(direction).all(-1)
+    known = np.nan_to_num(direction)
+    lost = ~known.any(-1) & truth.direction.any(-1)  # NaN, or a zero vector where there is something to see
+    error = np.where(lost, np.pi, angle(known, truth.direction))
     return Verdict(error, direction_bound(cases, truth), finite)
