@@ -1,0 +1,1 @@
+"""Inputs, exact results and tolerances of the lookup, for any engine's implementation."""

@@ -1,0 +1,33 @@
+"""How to run lookup.json against an implementation: replace `lookup` by yours. Standard library only."""
+
+import json
+import math
+from pathlib import Path
+
+
+def dot(a, b):
+    return math.fsum(x * y for x, y in zip(a, b, strict=True))
+
+
+def lookup(case):
+    """The direction to look up, of any length, for one case."""
+    point, eye, normal = case["position"], case["incoming"], case["normal"]
+    bend = 2.0 * dot(eye, normal) / (dot(normal, normal) or 1.0)
+    ray = [bend * n - e for n, e in zip(normal, eye, strict=True)]
+    nearness = 0.0
+    for face, half in zip(case["face_normals"], case["half_widths"], strict=True):
+        speed, q = dot(face, ray), dot(face, [p - c for p, c in zip(point, case["centre"], strict=True)])
+        nearness = max(nearness, abs(speed) / max(half - math.copysign(q, q * speed), 1e-12))
+    return [(p - b) * nearness + r for p, b, r in zip(point, case["capture_point"], ray, strict=True)]
+
+
+def angle(a, b):
+    """Radians between two vectors, exact for small angles too."""
+    cross = [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+    return math.atan2(math.hypot(*cross), dot(a, b))
+
+
+cases = json.loads(Path(__file__).with_name("lookup.json").read_text(encoding="utf-8"))["cases"]
+wrong = [case for case in cases if not angle(lookup(case), case["direction"]) <= case["tolerance"]]
+print(f"{len(cases)} cases, {len(wrong)} wrong", *sorted({case["family"] for case in wrong}), sep="\n")
+raise SystemExit(bool(wrong))
