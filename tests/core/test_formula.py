@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pcc_addon.core import formula
@@ -311,9 +311,8 @@ coordinate = st.one_of(st.sampled_from([0.0, 1.0, -1.0, 2.0]), st.floats(-1e6, 1
 half_extent = st.floats(1e-3, 1e3)
 
 
-@pytest.mark.parametrize("effects", ALL_EFFECTS, ids=lambda e: e.label)
-@settings(max_examples=60)
 @given(
+    effects=st.sampled_from(ALL_EFFECTS),
     incoming=unit_vector,
     normal=unit_vector,
     point=st.tuples(coordinate, coordinate, coordinate),

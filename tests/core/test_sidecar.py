@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pcc_addon.core.cubemap import FACES
@@ -53,7 +53,6 @@ def test_what_is_written_comes_back() -> None:
     assert Sidecar.from_json(RECORD.to_json(), "here") == RECORD
 
 
-@settings(max_examples=25)
 @given(
     probe=st.text(),
     numbers=st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 3),

@@ -1,0 +1,79 @@
+"""What must hold for any lookup at all, tried by hypothesis on the formula in single precision, run by NumPy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from pcc_addon.core import formula
+from pcc_addon.core.effects import Correction, LookupEffects
+from pcc_addon.core.evaluate import evaluate
+
+from .cases import Cases, unit
+from .families import CORRECTIONS
+from .verdict import judge
+
+component = st.one_of(st.sampled_from([0.0, -0.0, 1.0, -1.0, 1e-40, -1e-20, 1e-7]), st.floats(-1.0, 1.0, width=32))
+three = st.tuples(component, component, component)
+coordinate = st.one_of(st.sampled_from([0.0, 1.0, -1.0, 2.0]), st.floats(-1e6, 1e6, width=32))
+place = st.tuples(coordinate, coordinate, coordinate)
+half_width = st.one_of(st.sampled_from([1.0, 2.0]), st.floats(2.0**-13, 2.0**17, width=32))
+
+
+@st.composite
+def any_case(draw: st.DrawFn) -> Cases:
+    """One lookup in any box; the point is anywhere, or a share of the half widths from the centre, walls included."""
+
+    def one(values: object) -> np.ndarray:
+        return np.asarray(values, np.float32)[None]
+
+    correction = draw(st.sampled_from(CORRECTIONS))
+    axes = np.eye(3)
+    if correction is Correction.ORIENTED_BOX:
+        axes, _ = np.linalg.qr(np.array([draw(three) for _ in range(3)]))
+        axes = axes.T if np.isfinite(axes).all() else np.eye(3)
+    turn = unit(np.array(draw(three)) * (1.0, 1.0, 0.0))
+    assume(correction is not Correction.TURNED_BOX or turn.any())
+    centre, half = np.array(draw(place)), np.array([draw(half_width) for _ in range(3)])
+    position = centre + np.array(draw(three)) * half if draw(st.booleans()) else np.array(draw(place))
+    return Cases(
+        correction,
+        position=one(position),
+        incoming=one(unit(np.array(draw(three)))),
+        normal=one(unit(np.array(draw(three))) * draw(st.sampled_from([1.0, 1e-3, 1e3]))),
+        centre=one(centre),
+        face_normals=one(axes),
+        half_widths=one(half),
+        turn_mirror=one(turn if turn.any() else (1.0, 0.0, 0.0)),
+        capture_point=one(centre + np.array(draw(three)) * half),
+    )
+
+
+def look(cases: Cases) -> np.ndarray:
+    return evaluate(formula.lookup(LookupEffects(cases.correction, None)), cases.inputs(), np.float32)["Direction"]
+
+
+@given(any_case())
+def test_single_precision_stays_finite_and_within_the_bound(case: Cases) -> None:
+    verdict = judge(case, look(case))
+    assert verdict.within.all(), (verdict.error, verdict.bound)
+
+
+@given(any_case(), st.tuples(*[st.sampled_from([-1.0, 1.0])] * 3))
+def test_a_face_normal_may_point_either_way(case: Cases, signs: tuple) -> None:
+    """Mirrored boxes therefore need nothing of their own: not a bit changes."""
+    mirrored = replace(case, face_normals=case.face_normals * np.array(signs, np.float32)[:, None])
+    np.testing.assert_array_equal(look(mirrored), look(case))
+
+
+@given(any_case(), st.integers(-8, 8))
+def test_the_unit_of_length_does_not_matter(case: Cases, power: int) -> None:
+    """Inside the box and away from its walls, scaling by a power of two changes no bit."""
+    inside = np.abs(case.position - case.centre).astype(np.float64)[:, None] @ np.abs(case.exact_face_normals())
+    assume((inside[:, 0] < 0.5 * case.half_widths).all())
+    lengths = ("position", "centre", "half_widths", "capture_point")
+    scaled = replace(case, **{name: getattr(case, name) * np.float32(2.0**power) for name in lengths})
+    np.testing.assert_allclose(look(scaled), look(case), rtol=0.0, atol=1e-37)  # denormal products may round
