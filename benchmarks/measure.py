@@ -79,3 +79,14 @@ def write_page(name: str, title: str, command: str, text: str) -> None:
     page = f"# {title}\n\nMade by `{command}` with Blender {bpy.app.version_string}.\n\n{text}\n"
     (ROOT / "docs" / name).write_text(page, encoding="utf-8")
     print(text)
+
+
+def write_between(page: Path, marker: str, text: str) -> None:
+    """Put text into a page between the comment `marker` and the next "end" comment, and print it."""
+    begin, end = f"<!-- {marker} -->\n", "<!-- end -->"
+    before, found, rest = page.read_text(encoding="utf-8").partition(begin)
+    _, closed, after = rest.partition(end)
+    if not (found and closed):
+        raise ValueError(f"{page.name} has no part between {begin.strip()} and {end}")
+    page.write_text(f"{before}{begin}\n{text}\n\n{end}{after}", encoding="utf-8")
+    print(text)
