@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import atexit
-import os
 import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,7 @@ import numpy as np
 import pcc_addon
 from pcc_addon.blender import compat, pictures
 from pcc_addon.core.probe import Engine
+from pcc_addon.quiet import quiet_blender
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -30,13 +31,12 @@ class Frame:
 
 
 def start() -> None:
-    """Register the add-on and keep Blender's lines off standard output."""
+    """Register the add-on and keep the lines of Blender's C code off standard output, until the interpreter ends."""
     pcc_addon.register()
-    atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
-    sys.stdout.flush()
-    out = os.fdopen(os.dup(1), "w")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    sys.stdout = out
+    ending = ExitStack()
+    atexit.register(ending.close)
+    ending.callback(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
+    sys.stdout = ending.enter_context(quiet_blender())
 
 
 def render(scene: bpy.types.Scene, engine: Engine = Engine.CYCLES, samples: int = 64) -> Frame:

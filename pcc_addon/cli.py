@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import ctypes
 import json
-import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
@@ -19,6 +17,7 @@ from pathlib import Path
 from typing import NoReturn, TextIO
 
 from .core.errors import Cancelled, PccError
+from .quiet import quiet_blender
 
 DONE, FAILED, USAGE, CANCELLED = 0, 1, 2, 130
 
@@ -85,7 +84,7 @@ class _Voice:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run with Blender as a module; returns the exit code."""
     options = _parser(file_is_open=False).parse_args(argv)
-    with _quiet_blender() as out:
+    with quiet_blender() as out:
         try:
             import bpy  # noqa: F401 — the first import writes to standard output
         except ImportError:
@@ -108,33 +107,8 @@ def run_in_blender(argv: list[str]) -> int:
         options = _parser(file_is_open=bool(bpy.data.filepath)).parse_args(argv)
     except SystemExit as stop:  # Blender must end its own way
         return int(stop.code or 0)
-    with _quiet_blender() as out:
+    with quiet_blender() as out:
         return _run(options, _Voice(out, options.json))
-
-
-@contextlib.contextmanager
-def _quiet_blender() -> Iterator[TextIO]:
-    """Standard output for us alone: Blender's own lines, from C code and through Python, go nowhere."""
-    _flush_all()
-    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    out = os.fdopen(os.dup(kept), "w", encoding="utf-8")
-    os.dup2(nowhere, 1)
-    try:
-        with open(os.devnull, "w", encoding="utf-8") as silence, contextlib.redirect_stdout(silence):
-            yield out
-    finally:
-        _flush_all()
-        os.dup2(kept, 1)
-        out.close()
-        os.close(kept)
-        os.close(nowhere)
-
-
-def _flush_all() -> None:
-    """Empty Python's buffer of standard output and the C library's."""
-    sys.stdout.flush()
-    library = ctypes.CDLL("ucrtbase" if os.name == "nt" else None)
-    library.fflush(None)
 
 
 def _run(options: argparse.Namespace, voice: _Voice) -> int:

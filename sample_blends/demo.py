@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import argparse
 import atexit
-import contextlib
-import os
-import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
 
 import pcc_addon
+from pcc_addon.quiet import quiet_blender
 
 from . import scenes
 from .three_ways import side_by_side, three_ways
@@ -35,14 +32,14 @@ def main() -> int:
     probe = bpy.data.objects["Gallery Probe"]
     probe.pcc_probe.resolution, probe.pcc_probe.samples = 384, 24
     say(f"Baking '{probe.name}': six faces of {probe.pcc_probe.resolution} px …")
-    with quiet():
+    with quiet_blender():
         baking = time.perf_counter()
         bpy.ops.pcc.bake(scope="ALL")
         bpy.ops.pcc.inject()
         baking = time.perf_counter() - baking
     say(f"  baked and injected in {baking:.1f} s")
     say("Rendering the floor three ways …")
-    with quiet():
+    with quiet_blender():
         scene.cycles.samples, scene.cycles.use_denoising = 32, True
         pictures = three_ways(scene, probe, folder)
         bpy.ops.pcc.inject()
@@ -57,20 +54,6 @@ def main() -> int:
 
 def say(text: str) -> None:
     print(text, flush=True)
-
-
-@contextlib.contextmanager
-def quiet() -> Iterator[None]:
-    """Without Blender's own lines on standard output."""
-    sys.stdout.flush()
-    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 1)
-        os.close(kept)
-        os.close(nowhere)
 
 
 if __name__ == "__main__":
