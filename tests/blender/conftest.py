@@ -18,3 +18,29 @@ def scene() -> bpy.types.Scene:
     from sample_blends.scenes import empty_scene
 
     return empty_scene()
+
+
+@pytest.fixture
+def probe(scene: bpy.types.Scene) -> bpy.types.Object:
+    """A probe that has pictures without having rendered them."""
+    from tests.blender.helpers import pretend_bake, small_probe
+
+    probe = small_probe()
+    pretend_bake(probe)
+    return probe
+
+
+@pytest.fixture
+def renders(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The probe names of the faces that were rendered."""
+    from pcc_addon.blender.capture import Stage
+
+    seen: list[str] = []
+    face = Stage.face
+
+    def counted(self: Stage, spec: object, index: int) -> object:
+        seen.append(spec.name)
+        return face(self, spec, index)
+
+    monkeypatch.setattr(Stage, "face", counted)
+    return seen

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import bpy
 import numpy as np
 
+from pcc_addon.blender.injection import InjectionReport, inject
 from pcc_addon.blender.job import BakedProbe, BakeJob
 from pcc_addon.blender.levels import bake_folder, store
 from pcc_addon.blender.probes import add_probe, ensure_uid, probe_spec
 from pcc_addon.core.sidecar import Sidecar
-from sample_blends.scenes import Room, add_wall, principled
+from sample_blends.scenes import Room, add_wall, principled, principled_node
 
 ROOM = Room((2.0, 1.5, 1.0), (3.0, -2.0, 1.0), 0.0)
 
@@ -47,10 +49,20 @@ def small_room() -> bpy.types.Object:
     return small_probe()
 
 
+def paint_wall() -> None:
+    """Change what the small room's probe sees."""
+    principled_node(bpy.data.materials["Glow +X"]).inputs["Emission Color"].default_value = (0.5, 0.5, 0.5, 1.0)
+
+
 def bake(*probes: bpy.types.Object) -> list[BakedProbe]:
     """Bake at once, to where the scene's bakes go."""
     scene = bpy.context.scene
     return BakeJob(scene, bpy.context.view_layer, probes, bake_folder(scene)).run()
+
+
+def put_in() -> InjectionReport:
+    """Let every material show the baked probes."""
+    return inject(bpy.context.scene, bpy.context.view_layer)
 
 
 def pretend_bake(probe: bpy.types.Object) -> None:
@@ -81,3 +93,17 @@ def picture(probe: bpy.types.Object, roughness: float = 0.0) -> np.ndarray:
 
     level = next(level for level in probe.pcc_probe.levels if abs(level.roughness - roughness) < 1e-4)
     return read_pixels(level.image)
+
+
+def pictures_of(probe: bpy.types.Object) -> list[Path]:
+    """The files of a probe's pictures."""
+    return [Path(bpy.path.abspath(level.image.filepath)).resolve() for level in probe.pcc_probe.levels]
+
+
+def save(path: Path) -> None:
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder, by relative path."""
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}

@@ -1,0 +1,165 @@
+"""Where the pictures of a bake go: packed or beside the file, under safe names, never in place of another probe's."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from pcc_addon.blender import pictures
+from pcc_addon.blender.probes import bake_record
+from sample_blends.scenes import empty_scene, principled_node
+from tests.blender.helpers import ROOM, bake, contents, picture, pictures_of, save, small_probe, small_room
+
+
+def test_a_bake_of_an_unsaved_file_is_packed_into_it(scene, tmp_path: Path) -> None:
+    probe = small_room()
+    [result] = bake(probe)
+    assert result.error is None and result.files == ()
+    assert [level.image.packed_file is not None for level in probe.pcc_probe.levels] == [True]
+    before = picture(probe).copy()
+    save(tmp_path / "packed.blend")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "packed.blend"))
+    assert np.array_equal(picture(bpy.data.objects["Probe"]), before) and before.max() > 0.9
+    assert list(contents(tmp_path)) == ["packed.blend"]
+
+
+def test_baking_a_packed_probe_again_leaves_one_picture_of_the_same_name(scene) -> None:
+    probe = small_room()
+    bake(probe)
+    names = sorted(image.name for image in bpy.data.images)
+    bake(probe)
+    assert sorted(image.name for image in bpy.data.images) == names
+
+
+def test_a_bake_of_a_saved_file_lies_beside_it(scene, tmp_path: Path) -> None:
+    probe = small_room()
+    save(tmp_path / "room.blend")
+    [result] = bake(probe)
+    assert [Path(f).parent.name for f in result.files] == ["room.pcc"]
+    assert pictures_of(probe)[0].suffix == ".exr"
+    assert not probe.pcc_probe.levels[0].image.packed_file
+    assert probe.pcc_probe.levels[0].image.filepath.startswith("//")
+    [sidecar] = (tmp_path / "room.pcc").glob("*.json")
+    described = json.loads(sidecar.read_text(encoding="utf-8"))
+    assert described["probe"] == "Probe" and described["content_hash"] == bake_record(probe).content_hash
+    assert described["capture_point"] == pytest.approx(ROOM.centre)
+    assert np.allclose(np.reshape(described["matrix"], (4, 4)), probe.matrix_world)
+    [level] = described["levels"]
+    assert np.array_equal(pictures.read_file(sidecar.parent / level["file"]), picture(probe))
+    assert (level["width"], level["height"], level["roughness"]) == (64, 32, 0.0)
+    assert sorted(p.suffix for p in (tmp_path / "room.pcc").iterdir()) == [".exr", ".json"]
+
+
+def test_a_blurred_level_has_its_own_file(scene, tmp_path: Path) -> None:
+    probe = small_room()
+    principled_node(bpy.data.materials["Floor"]).inputs["Roughness"].default_value = 0.5
+    save(tmp_path / "room.blend")
+    bake(probe)
+    assert [round(level.roughness, 4) for level in probe.pcc_probe.levels] == [0.0, 0.5]
+    assert len(set(pictures_of(probe))) == 2 and all(path.is_file() for path in pictures_of(probe))
+    assert picture(probe, 0.5).std() < picture(probe).std()
+
+
+@pytest.mark.parametrize("name", ["a/b\\c:d*e?", "Büro 二階 🏠", "../../escape", ".", "   ", "CON", "x" * 63])
+def test_any_probe_name_makes_a_safe_file_name(scene, tmp_path: Path, name) -> None:
+    small_room()
+    probe = bpy.data.objects["Probe"]
+    probe.name = name
+    (tmp_path / "inner").mkdir()
+    save(tmp_path / "inner" / "room.blend")
+    [result] = bake(probe)
+    assert result.error is None
+    assert pictures_of(probe)[0].is_file() and pictures_of(probe)[0].parent == tmp_path / "inner" / "room.pcc"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["inner"]
+    assert all(c.isascii() and (c.isalnum() or c in "-_.") for p in pictures_of(probe) for c in p.name)
+
+
+def test_names_that_look_alike_as_file_names_do_not_share_files(scene, tmp_path: Path) -> None:
+    small_room()
+    probes = [small_probe(name) for name in ("a/b", "a\\b", "a b")]
+    save(tmp_path / "room.blend")
+    bake(*probes)
+    assert len({path for probe in probes for path in pictures_of(probe)}) == 3
+
+
+def test_two_files_in_one_folder_do_not_overwrite_each_other(scene, tmp_path: Path) -> None:
+    small_room()
+    save(tmp_path / "one.blend")
+    bake(bpy.data.objects["Probe"])
+    save(tmp_path / "one.blend")
+    before = contents(tmp_path)
+    save(tmp_path / "two.blend")
+    bpy.data.objects["Probe"].pcc_probe.resolution = 32
+    bake(bpy.data.objects["Probe"])
+    after = contents(tmp_path)
+    assert {name: after[name] for name in before} == before
+    assert any(name.startswith("two.pcc") for name in after)
+
+
+def test_two_files_with_one_chosen_folder_do_not_overwrite_each_other(scene, tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        scene = empty_scene()
+        small_room()
+        scene.pcc.folder = "//shared"
+        save(tmp_path / f"{name}.blend")
+        bake(bpy.data.objects["Probe"])
+    assert len(list((tmp_path / "shared").glob("*.json"))) == 2
+
+
+def test_a_chosen_folder_is_used_and_made(scene, tmp_path: Path) -> None:
+    probe = small_room()
+    scene.pcc.folder = str(tmp_path / "deep" / "folder")
+    [result] = bake(probe)
+    assert [Path(f).parent for f in result.files] == [tmp_path / "deep" / "folder"]
+
+
+def test_a_new_probe_with_the_old_name_of_a_renamed_one_gets_its_own_files(scene, tmp_path: Path) -> None:
+    first = small_room()
+    save(tmp_path / "room.blend")
+    bake(first)
+    before = contents(tmp_path / "room.pcc")
+    first.name = "Renamed"
+    second = small_probe("Probe", half_extents=(1.0, 1.0, 0.5))
+    bake(second)
+    after = contents(tmp_path / "room.pcc")
+    assert {name: after[name] for name in before} == before and len(after) == 2 * len(before)
+    bake(first)
+    assert not set(pictures_of(first)) & set(pictures_of(second))
+
+
+@pytest.mark.parametrize("new_name", ["Probe", "Aula", "Zed"])
+def test_baking_a_copy_leaves_the_originals_bake_alone(scene, tmp_path: Path, new_name) -> None:
+    original = small_room()
+    save(tmp_path / "room.blend")
+    bake(original)
+    before, record = contents(tmp_path / "room.pcc"), original.pcc_probe.bake_record
+    shown, group = picture(original).copy(), original.pcc_probe.group
+    copy = original.copy()
+    scene.collection.objects.link(copy)
+    copy.location.x += 0.75
+    bpy.context.view_layer.update()
+    original.name = new_name
+    bake(copy)
+    after = contents(tmp_path / "room.pcc")
+    assert {name: after[name] for name in before} == before
+    assert original.pcc_probe.bake_record == record and original.pcc_probe.group == group
+    assert np.array_equal(picture(original), shown)
+    assert copy.pcc_probe.group != group and copy.pcc_probe.uid != original.pcc_probe.uid
+    assert copy.pcc_probe.levels[0].image != original.pcc_probe.levels[0].image
+
+
+def test_baking_a_copy_in_an_unsaved_file_leaves_the_originals_picture_alone(scene) -> None:
+    original = small_room()
+    bake(original)
+    shown = picture(original).copy()
+    copy = original.copy()
+    scene.collection.objects.link(copy)
+    copy.location.x += 0.75
+    bpy.context.view_layer.update()
+    bake(copy)
+    assert np.array_equal(picture(original), shown)
+    assert copy.pcc_probe.levels[0].image != original.pcc_probe.levels[0].image

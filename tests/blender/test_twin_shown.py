@@ -1,0 +1,110 @@
+"""Which materials show a probe, and what their twins do: levels, engines, values, and when they are lamps."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from pcc_addon.blender import groups, twin
+from pcc_addon.blender.injection import inject, remove
+from sample_blends.scenes import principled_node
+from tests.blender.helpers import put_in
+from tests.blender.materials import glowing, link, new, shiny, show, subsurface
+from tests.blender.receivers import RECEIVERS, added, nested, one_group_twice, outputs_of_each_engine
+from tests.blender.snapshots import material_lines
+from tests.rna_dump import difference
+
+
+def test_each_engine_shows_the_twin_of_its_own_output(probe) -> None:
+    material = outputs_of_each_engine()
+    before = {engine: material.node_tree.get_output_node(engine).name for engine in ("CYCLES", "EEVEE")}
+    show(material)
+    put_in()
+    for engine, original in before.items():
+        assert material.node_tree.get_output_node(engine).name == f"PCC {original}"
+    remove()
+    assert {engine: material.node_tree.get_output_node(engine).name for engine in before} == before
+
+
+def test_a_value_in_an_outer_group_chooses_the_level(probe) -> None:
+    show(nested())
+    put_in()
+    assert sorted(round(level.roughness, 4) for level in probe.pcc_probe.levels) == [0.0, 0.25]
+
+
+def test_two_uses_of_a_group_read_their_own_levels(probe) -> None:
+    show(one_group_twice())
+    put_in()
+    assert twin.outputs_in_use(probe.pcc_probe.group) == {groups.level_output(r) for r in (0.25, 0.55)}
+
+
+def test_a_material_of_several_objects_is_injected_once(probe) -> None:
+    material = shiny()
+    show(material, "First"), show(material, "Second")
+    report = put_in()
+    assert report.materials == ((material.name, probe.name),)
+    assert len([n for n in material.node_tree.nodes if groups.role(n) == "probe"]) == 1
+
+
+def test_materials_far_from_every_probe_are_left_alone(probe) -> None:
+    material = shiny()
+    show(material).location.x += 50.0
+    before = material_lines(material)
+    assert put_in().materials == ()
+    assert difference(before, material_lines(material)) == []
+
+
+def test_only_the_chosen_objects_materials_are_injected_and_removed(probe) -> None:
+    first, second = shiny("First"), shiny("Second")
+    one, two = show(first), show(second)
+    inject(bpy.context.scene, bpy.context.view_layer, [one])
+    assert twin.shown_probe_group(first) and not twin.shown_probe_group(second)
+    put_in()
+    assert remove([two]) == ["Second"]
+    assert twin.shown_probe_group(first) and not twin.shown_probe_group(second)
+
+
+@pytest.mark.parametrize("build", [f for f in RECEIVERS if f is not glowing], ids=lambda f: f.__name__)
+def test_the_reflection_is_not_sampled_as_a_lamp(probe, build) -> None:
+    material = build()
+    show(material)
+    put_in()
+    assert material.cycles.emission_sampling == "NONE"
+
+
+@pytest.mark.parametrize("own_light", ["Emission Strength", "an Emission node", "inside a group"])
+def test_a_material_with_its_own_light_stays_a_lamp(probe, own_light) -> None:
+    if own_light == "Emission Strength":
+        material = glowing()
+    else:
+        material = added()
+        emission = new(material, "ShaderNodeEmission")
+        add = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeAddShader")
+        glow = emission
+        if own_light == "inside a group":
+            tree = bpy.data.node_groups.new("Glow", "ShaderNodeTree")
+            tree.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+            inner, sink = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("NodeGroupOutput")
+            tree.links.new(inner.outputs[0], sink.inputs[0])
+            material.node_tree.nodes.remove(emission)
+            glow = new(material, "ShaderNodeGroup")
+            glow.node_tree = tree
+        link(material, glow.outputs[0], add.inputs[1])
+    show(material)
+    before = material.cycles.emission_sampling
+    put_in()
+    assert material.cycles.emission_sampling == before
+
+
+def test_the_twin_copies_the_values_and_the_settings_of_a_surface(probe) -> None:
+    material = subsurface()
+    original = principled_node(material)
+    original.subsurface_method = "RANDOM_WALK_SKIN"
+    show(material)
+    put_in()
+    [copy] = [n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled" and groups.role(n)]
+    assert copy.subsurface_method == "RANDOM_WALK_SKIN"
+    assert copy.inputs["Subsurface Weight"].default_value == 0.5
+    assert np.allclose(copy.inputs["Subsurface Radius"].default_value, (1.0, 0.2, 0.1))
+    assert copy.inputs["Metallic"].default_value == 0.0 and copy.inputs["Specular IOR Level"].default_value == 0.0
