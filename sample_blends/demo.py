@@ -28,7 +28,8 @@ def main() -> int:
     pcc_addon.register()
     atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
     scene = scenes.gallery()
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "gallery.blend"))
+    with quiet_blender():
+        bpy.ops.wm.save_as_mainfile(filepath=str(folder / "gallery.blend"))
     probe = bpy.data.objects["Gallery Probe"]
     probe.pcc_probe.resolution, probe.pcc_probe.samples = 384, 24
     say(f"Baking '{probe.name}': six faces of {probe.pcc_probe.resolution} px …")
