@@ -62,8 +62,8 @@ def covered(scene: bpy.types.Scene, item: bpy.types.Object) -> np.ndarray:
     return without.sum(-1) == 0.0
 
 
-def relative_rmse(picture: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> float:
-    """Root mean square error over `mask`, divided by the root mean square of the truth there."""
+def relative_rmse(picture: np.ndarray, truth: np.ndarray, mask: np.ndarray | slice = slice(None)) -> float:
+    """Root mean square error over `mask`, divided by the root mean square of the truth there; everywhere by default."""
     error = np.square(picture[mask].astype(np.float64) - truth[mask]).mean()
     return float(np.sqrt(error / np.square(truth[mask].astype(np.float64)).mean()))
 
