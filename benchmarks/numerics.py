@@ -60,25 +60,40 @@ def main() -> None:
 
 def _family_row(family: Family, in_eevee: float) -> list[str]:
     """A row of the first table; errors in radians, failures as counts of visibly wrong cases."""
+    if not family.finite:
+        lost = [
+            ~np.isfinite(directions(cases, variants.full(cases.correction))).all(-1) for cases in _all_cases(family)
+        ]
+        return [
+            family.name,
+            f"{np.size(lost):,}",
+            *["–"] * 5,
+            f"{np.sum(lost):,}",
+            *["–"] * (1 + len(variants.WITHOUT)),
+        ]
     verdicts, articles = [], 0
     failures = dict.fromkeys(variants.WITHOUT, 0)
-    for correction in family.corrections:
-        cases = family.cases(CASES, correction)
-        verdicts.append(judge(cases, directions(cases, variants.full(correction))))
-        if not family.finite:
-            continue
+    for cases in _all_cases(family):
+        verdicts.append(judge(cases, directions(cases, variants.full(cases.correction))))
         articles += _failures(cases, variants.ARTICLES)
         for variant in variants.WITHOUT:
-            if correction in variant.corrections:
+            if cases.correction in variant.corrections:
                 failures[variant] += _failures(cases, variant)
     error, bound, finite = (np.concatenate([getattr(v, n) for v in verdicts]) for n in ("error", "bound", "finite"))
-    row = [family.name, f"{len(error):,}"]
-    if not family.finite:
-        return [*row, *["–"] * 5, f"{(~finite).sum():,}", *["–"] * (1 + len(failures))]
     worst = error.argmax()
-    row += [f"{error[worst]:.1e}", f"{bound[worst]:.1e}", f"{(bound <= WELL_CONDITIONED).mean():.0%}"]
+    row = [
+        family.name,
+        f"{len(error):,}",
+        f"{error[worst]:.1e}",
+        f"{bound[worst]:.1e}",
+        f"{(bound <= WELL_CONDITIONED).mean():.0%}",
+    ]
     row += [f"{(error / bound).max():.2f}", f"{in_eevee:.2f}", str((~finite).sum())]
     return row + [f"{count:,}" for count in (articles, *failures.values())]
+
+
+def _all_cases(family: Family) -> list[Cases]:
+    return [family.cases(CASES, correction) for correction in family.corrections]
 
 
 def _failures(cases: Cases, variant: variants.Variant) -> int:
