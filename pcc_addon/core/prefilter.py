@@ -2,7 +2,7 @@
 
 The blur is a convolution with a kernel that depends only on the angle to the mirror direction. On an
 equirectangular grid it is a plain convolution along each pair of rows, which the FFT does exactly; so a level has
-no seams, no sampling noise, the same blur at poles, edges and corners, and a constant stays constant.
+no seams, no sampling noise, the same blur at poles, edges and corners. Constants and energy are kept to rounding.
 """
 
 from __future__ import annotations
@@ -73,43 +73,81 @@ def prefilter(picture: np.ndarray, roughness: float, progress: Callable[[float],
         return np.asarray(picture, np.float32)
     height = level_height(picture.shape[0], roughness)
     width = 2 * height
-    source = shrink(picture, height)
-    solid_angle = equirect.solid_angles(width, height)
-    elevation = np.pi * ((np.arange(height) + 0.5) / height - 0.5)
-    spectrum = np.fft.rfft(source, axis=1)
-    reach = int(np.ceil(_lobe_angle(roughness, _KEPT_ENERGY) / np.pi * height)) + 1
-    table = _KernelTable(roughness, np.pi / height)
-    shift = np.cos(2.0 * np.pi * np.arange(width // 2 + 1) / width)
-    result = np.empty_like(source)
-    for i in range(height):
-        low, high = max(0, i - reach), min(height, i + reach + 1)
-        across = np.cos(elevation[i]) * np.cos(elevation[low:high])
-        along = np.sin(elevation[i]) * np.sin(elevation[low:high])
-        kernel = table(along[:, None] + across[:, None] * shift) * solid_angle[low:high, None]
-        total = 2.0 * kernel.sum() - kernel[:, 0].sum() - kernel[:, -1].sum()  # the other half mirrors this one
-        transfer = np.fft.hfft(kernel, n=width, axis=1)[:, : width // 2 + 1]
-        blurred = (transfer[:, :, None] * spectrum[low:high]).sum(0)
-        result[i] = np.fft.irfft(blurred, n=width, axis=0) / total
-        if progress is not None and i % 16 == 0:
-            progress(i / height)
+    blur = _Blur(roughness, height)
+    gain = blur.gain()
+    weight = gain * equirect.solid_angles(width, height)
+    spectrum = np.fft.rfft(np.moveaxis(shrink(picture, height), -1, 0) * weight[:, None])
+    parts = np.stack([spectrum.real, spectrum.imag])
+    result = np.empty((height, width, picture.shape[2]))
+    for i in range((height + 1) // 2):
+        rows, kernel = blur.zone(i)
+        transfer = np.fft.hfft(kernel, n=width)[:, : height + 1]
+        for row, sources in ((i, parts), (height - 1 - i, parts[:, :, ::-1])):
+            real, imaginary = np.einsum("rk,pcrk->pck", transfer, sources[:, :, rows])
+            result[row] = gain[row] * np.fft.irfft(real + 1j * imaginary, n=width).T
+        if progress is not None and i % 8 == 0:
+            progress(2 * i / height)
     return np.maximum(result, 0.0).astype(np.float32)
 
 
+class _Blur:
+    """The kernel between the rows of an equirectangular grid; the south's is the north's, mirrored."""
+
+    def __init__(self, roughness: float, height: int) -> None:
+        texel = np.pi / height
+        reach = min(_lobe_angle(roughness, _KEPT_ENERGY) + texel, np.pi)
+        self._height = height
+        self._elevation = texel * (np.arange(height) + 0.5) - 0.5 * np.pi
+        self._around = np.sin(0.5 * texel * np.arange(height + 1)) ** 2
+        self._reach = np.sin(0.5 * reach) ** 2
+        self._rows = int(reach / texel)
+        self._table = _KernelTable(roughness, texel, reach)
+
+    def zone(self, i: int) -> tuple[slice, np.ndarray]:
+        """The rows that give light to row `i`, and the kernel there at 0, 1 … texels around the axis, while not 0."""
+        rows = slice(max(0, i - self._rows), min(self._height, i + self._rows + 1))
+        up = np.sin(0.5 * (self._elevation[rows] - self._elevation[i])) ** 2
+        across = np.cos(self._elevation[rows]) * np.cos(self._elevation[i])
+        furthest = ((self._reach - up) / across).max()
+        around = self._around[: np.searchsorted(self._around, furthest, side="right") + 1]
+        return rows, self._table(up[:, None] + across[:, None] * around)
+
+    def gain(self) -> np.ndarray:
+        """(height,) a factor for each row, on light that leaves it and on light that reaches it.
+
+        Scaled on both sides the kernel stays symmetric (Sinkhorn's balancing). With these factors every texel receives
+        weights whose sum is 1, which keeps constants, and so hands on all the light that it has, which keeps energy.
+        They differ near the poles, where texels are slivers, the more the narrower the lobe.
+        """
+        fold = np.full(self._height + 1, 2.0)  # the other half of the circle mirrors this one
+        fold[[0, -1]] = 1.0
+        totals = np.zeros((self._height, self._height))
+        for i in range((self._height + 1) // 2):
+            rows, kernel = self.zone(i)
+            totals[i, rows] = totals[::-1, ::-1][i, rows] = kernel @ fold[: kernel.shape[1]]
+        totals *= equirect.solid_angles(2 * self._height, self._height)
+        gain = np.ones(self._height)
+        for _ in range(50):  # the error halves each time, or better
+            gain = np.sqrt(gain / (totals @ gain))
+        return gain
+
+
 class _KernelTable:
-    """The blur kernel by the cosine of the angle, averaged over one texel so that a narrow lobe is not missed."""
+    """The blur kernel by the angle, averaged over one texel so that a narrow lobe is not missed; 0 beyond `reach`."""
 
-    def __init__(self, roughness: float, texel: float) -> None:
-        # Finest near the mirror direction: the table is spaced evenly in sqrt(angle).
-        self._count = 4096
-        root = np.linspace(0.0, np.sqrt(np.pi), self._count)
-        offsets = (np.arange(8) + 0.5) / 8 - 0.5
-        x, y = np.meshgrid(offsets * texel, offsets * texel)
-        angle = np.hypot(root[:, None] ** 2 + x.ravel(), y.ravel())
-        self._values = blur_kernel(np.minimum(angle, np.pi), roughness).mean(1)
-        self._scale = (self._count - 1) / np.sqrt(np.pi)
+    def __init__(self, roughness: float, texel: float, reach: float) -> None:
+        # Finest near the mirror direction: the table is spaced evenly in sqrt(sin(angle / 2)).
+        self._last = 4095
+        angle = 2.0 * np.arcsin(np.linspace(0.0, 1.0, self._last + 1) ** 2)
+        offsets = ((np.arange(8) + 0.5) / 8 - 0.5) * texel
+        x, y = np.meshgrid(offsets, offsets)
+        around = np.hypot(angle[:, None] + x.ravel(), y.ravel())
+        self._values = blur_kernel(np.minimum(around, np.pi), roughness).mean(1)
+        self._values[:-1][angle[1:] > reach] = 0.0
 
-    def __call__(self, cosine: np.ndarray) -> np.ndarray:
-        position = np.sqrt(np.arccos(np.clip(cosine, -1.0, 1.0))) * self._scale
-        index = np.minimum(position.astype(np.intp), self._count - 2)
+    def __call__(self, haversine: np.ndarray) -> np.ndarray:
+        """The kernel where sin² of half the angle is `haversine`, which tells small angles apart as a cosine cannot."""
+        position = np.sqrt(np.sqrt(np.minimum(haversine, 1.0))) * self._last
+        index = np.minimum(position.astype(np.intp), self._last - 1)
         fraction = position - index
         return self._values[index] * (1.0 - fraction) + self._values[index + 1] * fraction
