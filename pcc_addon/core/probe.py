@@ -152,6 +152,9 @@ class ProbeSpec:
             )
         if not np.isfinite(self.capture_offset).all():
             raise ProbeError(f"probe '{self.name}': its capture offset is not finite; reset it")
+        for name, length in (("padding", self.padding), ("falloff", self.falloff)):
+            if not 0.0 <= length < _INFINITE:
+                raise ProbeError(f"probe '{self.name}': {name} {length:g} m must be finite and not below 0")
 
     @property
     def capture_point(self) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import re
 from dataclasses import asdict, dataclass
@@ -14,6 +15,7 @@ from .errors import BakeError
 
 VERSION = 1
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
+_NUMBERS = {"matrix": 16, "capture_point": 3, "clip": 2}
 
 
 @dataclass(frozen=True)
@@ -87,10 +89,13 @@ class Sidecar:
                 raise BakeError(f"'{origin}' was written by a later version of the add-on; update it, or bake again")
             fields = {name: document[name] for name in cls.__dataclass_fields__}
             fields["levels"] = tuple(Level(**level) for level in fields["levels"])
-            for name in ("matrix", "capture_point", "clip", "replaced_pixels"):
+            for name in (*_NUMBERS, "replaced_pixels"):
                 fields[name] = tuple(fields[name])
+            for name, count in _NUMBERS.items():
+                if len(fields[name]) != count or not all(math.isfinite(number) for number in fields[name]):
+                    raise ValueError(f"'{name}' is not {count} finite numbers")
             return cls(**fields)
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
             raise BakeError(f"'{origin}' is not a probe's sidecar ({error}); bake the probe again") from error
 
 

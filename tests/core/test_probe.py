@@ -140,6 +140,12 @@ def test_the_capture_point_of_a_turned_box_turns_with_it() -> None:
         ({"clip_end": float("nan")}, "below clip end"),
         ({"capture_offset": (0.0, float("nan"), 0.0)}, "reset it"),
         ({"capture_offset": (float("inf"), 0.0, 0.0)}, "reset it"),
+        ({"padding": -0.001}, "padding -0.001 m must be finite and not below 0"),
+        ({"padding": float("inf")}, "padding inf m must be finite"),
+        ({"padding": float("nan")}, "padding nan m must be finite"),
+        ({"falloff": -1.0}, "falloff -1 m must be finite and not below 0"),
+        ({"falloff": float(np.finfo(np.float32).max)}, "falloff .* must be finite"),
+        ({"falloff": float("nan")}, "falloff nan m must be finite"),
     ],
 )
 def test_settings_that_cannot_be_baked_are_refused_by_name_with_a_remedy(change: dict, message: str) -> None:
@@ -151,7 +157,9 @@ def test_settings_that_cannot_be_baked_are_refused_by_name_with_a_remedy(change:
 def test_the_smallest_and_the_largest_settings_are_accepted() -> None:
     box = Box.from_matrix("Hall", np.eye(4))
     for resolution in (MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION):
-        ProbeSpec("Hall", box, resolution=resolution, samples=1, clip_start=1e-6, clip_end=1e9)
+        ProbeSpec(
+            "Hall", box, resolution=resolution, samples=1, clip_start=1e-6, clip_end=1e9, padding=0.0, falloff=0.0
+        )
 
 
 def test_specs_are_values_that_compare_hash_and_do_not_change() -> None:

@@ -119,6 +119,16 @@ def test_damaged_text_is_refused_in_one_line(text: str) -> None:
     refusal(text)
 
 
+@pytest.mark.parametrize(("name", "count"), [("matrix", 16), ("capture_point", 3), ("clip", 2)])
+def test_lists_of_numbers_are_as_long_as_they_must_be_and_hold_finite_numbers(name: str, count: int) -> None:
+    numbers = [float(k) for k in range(count)]
+    assert getattr(Sidecar.from_json(edited(**{name: numbers}), "here"), name) == tuple(numbers)
+    for wrong in ([], numbers[:-1], [*numbers, 0.0], [*numbers[:-1], float("nan")], [*numbers[:-1], float("inf")]):
+        assert f"'{name}' is not {count} finite numbers" in refusal(edited(**{name: wrong}))
+    for wrong in ("7" * count, [*numbers[:-1], "0"], [*numbers[:-1], None], [*numbers[:-1], 10**400]):
+        refusal(edited(**{name: wrong}))
+
+
 def test_text_cut_off_anywhere_is_refused() -> None:
     text = RECORD.to_json().rstrip()
     for length in range(0, len(text), 31):
