@@ -9,6 +9,7 @@ from pcc_addon.core import equirect
 from pcc_addon.core.prefilter import MINIMUM_HEIGHT, level_height, prefilter, shrink
 
 from . import boxes
+from .lobes import lobe, quadrature
 
 ROUGHNESSES = [0.02, 0.1, 0.2, 0.3, 0.5, 0.8, 1.0]
 
@@ -72,22 +73,9 @@ def test_one_lit_texel_spreads_alike_to_the_left_and_to_the_right(row: int, colu
     np.testing.assert_allclose(left, right, atol=1e-7 * level.max())
 
 
-def lobe(angle: np.ndarray, roughness: float) -> np.ndarray:
-    """GGX normal distribution times the light's masking at `angle` from the mirror direction; not normalised.
-
-    Written out here in other terms than the product's (tangents; Walter et al. 2007, equations 33 and 34).
-    """
-    alpha2 = roughness**4
-    tangent2 = np.tan(np.minimum(angle, 1.5707)) ** 2
-    distribution = alpha2 / (np.cos(0.5 * angle) ** 4 * (alpha2 + np.tan(0.5 * angle) ** 2) ** 2)
-    return np.where(angle < 0.5 * np.pi, distribution * 2.0 / (1.0 + np.sqrt(1.0 + alpha2 * tangent2)), 0.0)
-
-
 def spread(height: int, row: int, column: int, roughness: float) -> np.ndarray:
     """(height, 2·height) float64: one lit texel as the lobe on the sphere sees it, by quadrature over that texel."""
-    steps = np.linspace(0.0, 1.0, 20_001) ** 3 * (0.5 * np.pi)
-    middle = 0.5 * (steps[1:] + steps[:-1])
-    whole = 2.0 * np.pi * (lobe(middle, roughness) * np.sin(middle) * np.diff(steps)).sum()
+    _, weights = quadrature(roughness)
     inside = (np.arange(8) + 0.5) / 8
     elevation = np.pi * ((row + inside) / height - 0.5)
     azimuth = np.pi * (1.0 - (column + inside) / height)
@@ -98,7 +86,7 @@ def spread(height: int, row: int, column: int, roughness: float) -> np.ndarray:
             light = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
             angle = np.arccos(np.clip(towards @ light, -1.0, 1.0))
             result += np.cos(e) * (np.pi / height / 8) ** 2 * lobe(angle, roughness)
-    return result / whole
+    return result / (2.0 * np.pi * weights.sum())
 
 
 @pytest.mark.parametrize(
