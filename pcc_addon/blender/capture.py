@@ -76,6 +76,13 @@ class Stage:
             )
         return picture
 
+    def glimpse(self, probe: ProbeSpec, index: int) -> np.ndarray:
+        """A face by Cycles of one sample for each pixel, as it is before the denoiser hides its faults."""
+        with ExitStack() as stack:
+            override(stack, self.scene.cycles, "samples", 1)
+            override(stack, self.scene.cycles, "use_denoising", False)
+            return self.face(probe, index)
+
 
 def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
     """No post-processing, no borders, no motion blur: the plain radiance of the scene."""

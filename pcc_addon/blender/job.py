@@ -15,7 +15,7 @@ from ..core import equirect, radiance
 from ..core.cubemap import FACES
 from ..core.errors import Cancelled, PccError
 from ..core.prefilter import prefilter
-from ..core.probe import ProbeSpec
+from ..core.probe import Engine, ProbeSpec
 from ..core.sidecar import Sidecar
 from ..version import ADDON_VERSION
 from . import groups, levels, scene, surfaces, twin
@@ -183,8 +183,10 @@ class BakeJob:
             stage.aim(stack, spec)
             for index, face in enumerate(FACES):
                 yield f"face {face.name}"
-                picture, bad = radiance.clean(index, stage.face(spec, index))
+                picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
                 faces.append(picture)
+                if spec.engine is Engine.CYCLES and spec.denoise:
+                    bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)[1] or bad
                 replaced += [str(bad)] if bad else []
         yield "assembling"
         pictures = {0.0: equirect.from_faces(faces, OVERSCAN)}

@@ -1,4 +1,12 @@
-"""What becomes of pixels that no picture should hold: NaN, infinite, negative, too bright."""
+"""What becomes of pixels that no picture should hold: NaN, infinite, negative, too bright.
+
+The rule: NaN, −inf and negative values become 0; +inf and values from 65504 on become 65504. Each such pixel counts.
+
+The renderers have rules of their own, and what they replace before there is a picture cannot be counted. Cycles turns
+samples that are NaN or infinite (an emission of 3e38 too) into black. Its denoiser turns negative pixels into black and
+spreads too bright ones over their neighbours, so the bake counts in a glimpse without denoising. EEVEE turns NaN,
+infinite and negative pixels into black and cuts off at 65504, which is why that value itself counts as too bright.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +26,8 @@ class BadPixels:
     Attributes:
         face: the face's name.
         not_finite, negative, too_bright: how many were NaN or infinite (now 0, or `BRIGHTEST` for +inf), below 0
-            (now 0), above `BRIGHTEST` (now that).
-        first: (column, row) of the first of them, from the lower left.
+            (now 0), finite but `BRIGHTEST` or more (now that).
+        first: (column, row) of the first of them, from the lower left of the face's 90°.
     """
 
     face: str
@@ -36,19 +44,23 @@ class BadPixels:
         )
 
 
-def clean(face_index: int, picture: np.ndarray) -> tuple[np.ndarray, BadPixels | None]:
+def clean(face_index: int, picture: np.ndarray, overscan: int = 0) -> tuple[np.ndarray, BadPixels | None]:
     """A face (n, n, 3) float32 without bad pixels, and what was replaced (None: nothing).
 
-    The rule: NaN, −inf and negative values become 0; +inf and values above 65504 become 65504.
+    Pixels of the overscan are replaced too, but counted in the face within whose 90° they lie.
     """
     not_finite = ~np.isfinite(picture)
     with np.errstate(invalid="ignore"):
         negative = ~not_finite & (picture < 0.0)
-        too_bright = ~not_finite & (picture > BRIGHTEST)
+        too_bright = ~not_finite & (picture >= BRIGHTEST)
     bad = (not_finite | negative | too_bright).any(-1)
     if not bad.any():
         return picture, None
-    row, column = (int(k) for k in np.argwhere(bad)[0])
-    cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST)
-    counts = [int(mask.any(-1).sum()) for mask in (not_finite, negative, too_bright)]
-    return cleaned.astype(np.float32), BadPixels(FACES[face_index].name, *counts, (column, row))
+    cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST).astype(np.float32)
+    inside = np.s_[overscan : len(picture) - overscan, overscan : len(picture) - overscan]
+    places = np.argwhere(bad[inside])
+    if not len(places):
+        return cleaned, None
+    row, column = (int(k) for k in places[0])
+    counts = [int(mask[inside].any(-1).sum()) for mask in (not_finite, negative, too_bright)]
+    return cleaned, BadPixels(FACES[face_index].name, *counts, (column, row))

@@ -20,7 +20,7 @@ def picture(**pixels: object) -> np.ndarray:
 
 
 def test_a_good_picture_comes_back_as_it_is() -> None:
-    good = picture(c1r1=(0.0, BRIGHTEST, 1e-30), c2r2=(-0.0, 1.0, 2.0))
+    good = picture(c1r1=(0.0, np.nextafter(np.float32(BRIGHTEST), np.float32(0)), 1e-30), c2r2=(-0.0, 1.0, 2.0))
     cleaned, bad = clean(0, good)
     assert cleaned is good
     assert bad is None
@@ -34,6 +34,7 @@ def test_a_good_picture_comes_back_as_it_is() -> None:
         (np.inf, BRIGHTEST),
         (-1e-20, 0.0),
         (-5.0, 0.0),
+        (BRIGHTEST, BRIGHTEST),  # where EEVEE cuts off
         (65505.0, BRIGHTEST),
         (1e30, BRIGHTEST),
     ],
@@ -80,10 +81,21 @@ def test_what_did_not_happen_is_not_mentioned() -> None:
     assert str(bad) == "face +Y: 1 negative pixels were replaced, the first at column 4, row 0"
 
 
+def test_pixels_beyond_a_faces_90_degrees_are_replaced_but_counted_in_the_next_face() -> None:
+    """Positions are those of the face without its overscan."""
+    before = picture(c1r3=(np.nan, 0.0, 0.0), c7r7=(1e9, 0.0, 0.0))
+    cleaned, bad = clean(0, before, overscan=2)
+    assert cleaned[3, 1, 0] == 0.0
+    assert cleaned[7, 7, 0] == BRIGHTEST
+    assert bad is None
+    before[5, 4], before[6, 4] = -1.0, -1.0
+    _, bad = clean(0, before, overscan=2)
+    assert bad is not None
+    assert (bad.not_finite, bad.negative, bad.too_bright, bad.first) == (0, 1, 0, (2, 3))
+
+
 @given(st.lists(st.floats(width=32), min_size=12, max_size=12))
-def test_a_cleaned_picture_needs_no_cleaning(values: list[float]) -> None:
+def test_a_cleaned_picture_stays_as_it_is(values: list[float]) -> None:
     cleaned, _ = clean(0, np.array(values, np.float32).reshape(2, 2, 3))
     assert ((cleaned >= 0.0) & (cleaned <= BRIGHTEST)).all()
-    again, bad = clean(0, cleaned)
-    assert again is cleaned
-    assert bad is None
+    np.testing.assert_array_equal(clean(0, cleaned)[0], cleaned)
