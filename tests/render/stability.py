@@ -37,7 +37,7 @@ _ULP = float(np.finfo(np.float32).eps)
 _HALF_ULP = 2.0**-11  # spacing of half floats below 1
 _ROW, _COLUMN = 2 * FACE, 4 * FACE
 _WAVES = np.array([[0.9, -0.5, 0.4], [0.3, 0.8, -0.7], [-0.6, 0.5, 0.9]])  # radians a metre
-_TORN = 0.1  # radiance; neighbours that differ by more lie on two sides of an edge of the exact picture
+TORN = 0.1  # radiance; neighbours that differ by more lie on two sides of an edge of the exact picture
 
 
 def radiance(points: np.ndarray) -> np.ndarray:
@@ -234,7 +234,7 @@ class Stage:
         if engine is Engine.EEVEE:
             rounding += 2.0 * _HALF_ULP + self._slope[nearest] / 256.0  # texel, picture; graphics cards' 8-bit weights
             spread = _greatest_around(exact, 1) + _greatest_around(-exact, 1)
-            aiming = np.where(spread > _TORN, spread, 0.02 * spread)  # two rays, each up to 0.01 pixels aside
+            aiming = np.where(spread > TORN, spread, 0.02 * spread)  # two rays, each up to 0.01 pixels aside
         return Seen(points, rays, covered, found, exact, texels, weight, self._filling[nearest], rounding, aiming)
 
 
