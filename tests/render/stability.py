@@ -30,6 +30,7 @@ HALF = np.array([3.0, 2.0, 1.25])
 CAPTURE = (0.4, -0.3, 0.2)  # from the centre, metres along the box's axes
 DARKEST, BRIGHTEST = 0.25, 0.75  # radiance
 STEP = 1e-4  # metres that the eye moves between two frames
+ALONG = (0.8, 0.6, 0.0)  # whereto, along the box's axes
 WIDTH, HEIGHT = 64, 36
 FACE = 128  # texels; the picture that shaders read is 4 × 2 faces large
 
@@ -132,7 +133,7 @@ class Stage:
     def film(
         self,
         engine: Engine,
-        along: Sequence[float] = (0.8, 0.6, 0.0),
+        along: Sequence[float] = ALONG,
         frames: int = 6,
         normal: Callable[[bpy.types.NodeTree], bpy.types.NodeSocket] | None = None,
     ) -> list[Seen]:

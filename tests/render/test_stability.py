@@ -24,11 +24,13 @@ from pcc_addon.core.probe import Engine
 from sample_blends.scenes import principled, principled_node
 
 from .stability import (
+    ALONG,
     BRIGHTEST,
     CAPTURE,
     DARKEST,
     HALF,
     HEIGHT,
+    STEP,
     TORN,
     WIDTH,
     Seen,
@@ -49,8 +51,8 @@ MIRRORS = [("floor", 0.0), ("floor", 0.5), ("wall", 0.5)]  # on which face, and 
 FADES = [(0.01, 0.25), (0.01, 0.0), (0.0, 0.0)]  # padding and falloff, metres
 EDGE = {"padding": 0.0, "falloff": 0.0, "outside": Outside.BLACK.value}
 SEAMS = {
-    "-X meridian": (-1.0, 0.0, 0.3),
-    "-X meridian below": (-1.0, 0.0, -0.4),
+    "-X meridian": (-1.0, 0.0, 0.1),
+    "-X meridian below": (-1.0, 0.0, -0.15),
     "top pole": (0.0, 0.0, 1.0),
     "bottom pole": (0.0, 0.0, -1.0),
     "edge of +X and +Y": (1.0, 1.0, 0.2),
@@ -105,6 +107,8 @@ def _check(film: Sequence[Seen], request: pytest.FixtureRequest) -> None:
     assert film[0].covered.mean() > 0.3, "the mirror is not in the picture"
     for k, frame in enumerate(film):
         assert np.isfinite(frame.found).all()
+        bounds = (frame.filling + frame.rounding)[frame.covered].max(-1)
+        assert np.quantile(bounds, 0.8) < 0.01, "the bounds are too wide, and not only at edges of the box"
         off = np.abs(frame.found - frame.exact) - frame.allowed
         _report(f"{name}, frame {k}: pixels off", off, frame.covered, frame)
         for what, a, b in (("rows", frame[1:], frame[:-1]), ("columns", frame[:, 1:], frame[:, :-1])):
@@ -164,16 +168,20 @@ def test_a_mirror_on_a_face_of_the_box_is_inside_and_still(
     scene: bpy.types.Scene, pose: str, face: str, margin: float, engine: Engine, request: pytest.FixtureRequest
 ) -> None:
     stage = Stage(*POSES[pose], **EDGE)
-    if face == "floor":
-        _add_face(stage, 2, -1.0, margin)
-        stage.look((-2.0, -1.4, -0.1), (-0.9, -0.5, -1.25), 22.0)
-    else:
-        _add_face(stage, 0, 1.0, margin)
-        stage.look((0.7, 1.4, 0.5), (3.0, 0.2, -0.1), 22.0)
+    axis, side = (2, -1.0) if face == "floor" else (0, 1.0)
+    _add_face(stage, axis, side, margin)
+    eye, target = ((-2.0, -1.4, -0.1), (-0.9, -0.5, -1.25)) if face == "floor" else ((0.7, 1.4, 0.5), (3.0, 0.2, -0.1))
+    stage.look(eye, target, 22.0)
     film = stage.film(engine, frames=12 if pose == "far away" else 6)
     _check(film, request)
-    for frame in film:
-        across = np.delete(np.abs(frame.points) - HALF, 2 if face == "floor" else 0, -1)
+    for k, frame in enumerate(film):
+        # The surface is where float64 puts it: it is not the renderer's own points that hide a flicker.
+        sight = frame.rays[frame.covered] * np.where(np.arange(3) == axis, -1.0, 1.0)
+        start = np.array(eye) + k * STEP * np.array(ALONG)
+        points = start + sight * ((side * HALF - start) / sight)[:, axis : axis + 1]
+        off = np.abs(points - frame.points[frame.covered]) * np.abs(sight[:, axis : axis + 1])
+        assert off.max() < 4.0 * np.finfo(np.float32).eps * (np.abs(POSES[pose][0]).max() + np.linalg.norm(HALF))
+        across = np.delete(np.abs(frame.points) - HALF, axis, -1)
         inside = frame.covered & (across < -0.002).all(-1)
         inside &= frame.aiming.max(-1) < TORN  # not the outline
         assert frame.found[inside].min() > DARKEST - 0.01
