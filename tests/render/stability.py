@@ -94,9 +94,7 @@ def allowed_change(a: Seen, b: Seen) -> np.ndarray:
 
     What a picture adds between its texels has a slope: per texel, at most twice its bound. A fade takes it away.
     """
-    texels = np.abs(b.texels - a.texels)
-    texels[..., 0] = np.minimum(texels[..., 0], _COLUMN - texels[..., 0])
-    slope = 2.0 * np.maximum(a.filling, b.filling) * texels.sum(-1, keepdims=True)
+    slope = 2.0 * np.maximum(a.filling, b.filling) * _texels_apart(a.texels, b.texels)
     faded = np.abs(a.weight - b.weight) * np.maximum(a.filling, b.filling)
     return np.minimum(slope, a.filling + b.filling) + faded + a.rounding + b.rounding
 
@@ -221,13 +219,15 @@ class Stage:
         # Four roundings of a position within the box; EEVEE places surfaces in the world by roundings of its own.
         apart = 2.0 * _ULP * (self._size if engine is Engine.CYCLES else self._reach)
         turned = 4.0 * _ULP if engine is Engine.CYCLES else apart
+        texels = _texels(directions)
+        nearest = np.minimum(texels[..., 1].astype(int), _ROW - 1), texels[..., 0].astype(int) % _COLUMN
+        filling = self._filling[nearest]
         rounding = np.zeros_like(exact)
         for shift in np.concatenate([np.eye(3), -np.eye(3)]):
             for moved in ((points + apart * shift, rays), (points, rays + turned * shift)):
-                rounding = np.maximum(rounding, np.abs(self._lookup(*moved)[0] - exact))
-        u, v = equirect.coordinates(directions)
-        texels = np.stack([u * _COLUMN, v * _ROW], -1)
-        nearest = np.minimum(texels[..., 1].astype(int), _ROW - 1), texels[..., 0].astype(int) % _COLUMN
+                beside, directions, _ = self._lookup(*moved)
+                slope = 2.0 * filling * np.minimum(_texels_apart(texels, _texels(directions)), 1.0)
+                rounding = np.maximum(rounding, np.abs(beside - exact) + slope)
         from_pole = np.minimum(texels[..., 1:], _ROW - texels[..., 1:])
         rounding += (4.0 * _ULP * _COLUMN + _rows_lost(from_pole)) * self._slope[nearest]
         rounding += 4.0 * _ULP  # of radiances
@@ -236,7 +236,19 @@ class Stage:
             rounding += 2.0 * _HALF_ULP + self._slope[nearest] / 256.0  # texel, picture; graphics cards' 8-bit weights
             spread = _greatest_around(exact, 1) + _greatest_around(-exact, 1)
             aiming = np.where(spread > TORN, spread, 0.02 * spread)  # two rays, each up to 0.01 pixels aside
-        return Seen(points, rays, covered, found, exact, texels, weight, self._filling[nearest], rounding, aiming)
+        return Seen(points, rays, covered, found, exact, texels, weight, filling, rounding, aiming)
+
+
+def _texels(directions: np.ndarray) -> np.ndarray:
+    """(h, w, 2) column and row of world-space directions in the picture."""
+    u, v = equirect.coordinates(directions)
+    return np.stack([u * _COLUMN, v * _ROW], -1)
+
+
+def _texels_apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(h, w, 1) columns and rows between two lookups, the shorter way round."""
+    apart = np.abs(b - a)
+    return np.minimum(apart[..., :1], _COLUMN - apart[..., :1]) + apart[..., 1:]
 
 
 def _rows_lost(from_pole: np.ndarray | float) -> np.ndarray | float:

@@ -71,18 +71,15 @@ def _cases(in_cycles: Iterable[tuple], in_eevee: Iterable[tuple]) -> list:
     return [pytest.param(Engine.CYCLES, *case) for case in in_cycles] + heavy
 
 
-def _mirror() -> bpy.types.Material:
-    return principled("Mirror", Base_Color=(1.0, 1.0, 1.0, 1.0), Metallic=1.0, Roughness=0.0)
-
-
-def _add(stage: Stage, mesh: bpy.types.Mesh, material: bpy.types.Material) -> None:
-    mesh.materials.append(material)
+def _add(stage: Stage, mesh: bpy.types.Mesh) -> None:
+    """A mirror whose mesh is given along the box's axes."""
+    mesh.materials.append(principled("Mirror", Base_Color=(1.0, 1.0, 1.0, 1.0), Metallic=1.0, Roughness=0.0))
     item = bpy.data.objects.new("Mirror", mesh)
     item.matrix_world = stage.place
     stage.scene.collection.objects.link(item)
 
 
-def _add_rectangle(stage: Stage, axis: int, at: float, low: Sequence[float], high: Sequence[float]) -> bpy.types.Mesh:
+def _add_rectangle(stage: Stage, axis: int, at: float, low: Sequence[float], high: Sequence[float]) -> None:
     """A mirror across one of the box's axes, between corners given along the other two, with UVs in metres."""
     (a, b), (c, d) = low, high
     corners = [(a, b), (c, b), (c, d), (a, d)]
@@ -91,8 +88,7 @@ def _add_rectangle(stage: Stage, axis: int, at: float, low: Sequence[float], hig
     uv = mesh.uv_layers.new(name="Metres").uv
     for k, corner in enumerate(corners):
         uv[k].vector = corner
-    _add(stage, mesh, _mirror())
-    return mesh
+    _add(stage, mesh)
 
 
 def _add_face(stage: Stage, axis: int, side: float, margin: float = 0.0) -> None:
@@ -130,7 +126,7 @@ def _report(what: str, off: np.ndarray, covered: np.ndarray, frame: Seen) -> Non
     if off.max() <= 0.0:
         return
     stem = what.split(":")[0].replace(", ", "_").replace(" ", "_")
-    paths = save(stem, frame)
+    paths = _save(stem, frame)
     worst = np.unravel_index(off.argmax(), off.shape)
     raise AssertionError(
         f"{what}: {(off > 0.0).any(-1).sum()} of {covered.sum()} are off, the worst by {off.max():.2g} more than "
@@ -138,7 +134,7 @@ def _report(what: str, off: np.ndarray, covered: np.ndarray, frame: Seen) -> Non
     )
 
 
-def save(stem: str, frame: Seen) -> list[Path]:
+def _save(stem: str, frame: Seen) -> list[Path]:
     """Write what was found, what is exact and their difference: as numbers (EXR), and side by side to look at (PNG)."""
     OUTPUT.mkdir(exist_ok=True)
     difference = np.where(frame.covered[..., None], frame.found - frame.exact, 0.0)
@@ -148,8 +144,7 @@ def save(stem: str, frame: Seen) -> list[Path]:
     for path, picture in zip(paths, parts.values(), strict=True):
         pictures.write_file(path, picture.astype(np.float32))
     scale = 0.5 / max(np.abs(difference).max(), 1e-9)
-    panels = np.concatenate([frame.found, exact, 0.5 + difference * scale], 1)
-    panels = panels.repeat(6, 0).repeat(6, 1)
+    panels = np.concatenate([frame.found, exact, 0.5 + difference * scale], 1).repeat(6, 0).repeat(6, 1)
     image = bpy.data.images.new("stability", panels.shape[1], panels.shape[0])
     pixels = np.ones((*panels.shape[:2], 4), np.float32)
     pixels[..., :3] = panels
@@ -175,7 +170,7 @@ def test_a_mirror_on_a_face_of_the_box_is_inside_and_still(
     film = stage.film(engine, frames=12 if pose == "far away" else 6)
     _check(film, request)
     for k, frame in enumerate(film):
-        # The surface is where float64 puts it: it is not the renderer's own points that hide a flicker.
+        # The points that the renderer says are where float64 puts them, so they hide no flicker.
         sight = frame.rays[frame.covered] * np.where(np.arange(3) == axis, -1.0, 1.0)
         start = np.array(eye) + k * STEP * np.array(ALONG)
         points = start + sight * ((side * HALF - start) / sight)[:, axis : axis + 1]
@@ -253,7 +248,7 @@ def test_a_smooth_sphere_against_the_wall_has_no_speckle(
     bpy.data.objects.remove(made)
     mesh.transform(Matrix.Translation((HALF[0] - 0.6, 0.2, 0.0)))
     mesh.shade_smooth()
-    _add(stage, mesh, _mirror())
+    _add(stage, mesh)
     stage.look((1.2, -0.9, 0.3), (2.5, 0.15, 0.0), 32.0)
     film = stage.film(engine)
     _check_curved(film, request)
