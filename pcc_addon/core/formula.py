@@ -104,7 +104,7 @@ def lookup(effects: LookupEffects) -> dict[str, Expr]:
 
 
 def off_poles() -> dict[str, Expr]:
-    """A direction kept half a texel away from the poles of an equirectangular picture.
+    """A direction kept out of the first and last half texel of an equirectangular picture.
 
     Cycles repeats environment textures over the poles: nearer to one it mixes in the row of the other. STEEPEST is
     `steepest_slope` of the picture's height.
@@ -121,9 +121,14 @@ def off_poles() -> dict[str, Expr]:
     }
 
 
+_POLE_BLUR = 1.5 * math.sqrt(2.0**-23)  # radians
 _NO_UPPER, _NO_LOWER = (1e30, 1e30, 0.0), (-1e30, -1e30, 0.0)  # of the horizontal components
 
 
 def steepest_slope(height: int) -> float:
-    """z over the horizontal length of directions to the first and last row of a picture with `height` rows."""
-    return 1.0 / math.tan(math.pi / (2.0 * height))
+    """z over the horizontal length of the steepest directions that read only their own side of a picture.
+
+    They lie half a texel from the pole in a picture of `height` rows, and as much again as the renderer may err: Cycles
+    finds the elevation by an arc cosine, which near a pole is no surer than the root of float32's roundoff.
+    """
+    return 1.0 / math.tan(math.hypot(math.pi / (2.0 * height), _POLE_BLUR))

@@ -151,8 +151,9 @@ def test_from_walls_edges_and_corners_rays_leave_at_once_or_cross_the_box(dtype:
 
 @BOTH_DTYPES
 def test_a_ray_within_a_wall_runs_to_the_next_wall(dtype: type) -> None:
-    assert exit_distance([1.0, 0.25, 0.0], [0.0, 1.0, 0.0], dtype) == 0.75
-    assert exit_distance([1.0, -1.0, 0.25], [-0.0, 0.0, -1.0], dtype) == 1.25
+    rounding = 2.0 * np.finfo(dtype).eps
+    assert exit_distance([1.0, 0.25, 0.0], [0.0, 1.0, 0.0], dtype) == pytest.approx(0.75, rel=rounding)
+    assert exit_distance([1.0, -1.0, 0.25], [-0.0, 0.0, -1.0], dtype) == pytest.approx(1.25, rel=rounding)
 
 
 @BOTH_DTYPES

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+import pytest
 from mathutils import Vector
 
 from benchmarks.measure import render
+from pcc_addon.blender import node_builder
+from pcc_addon.core.formula import off_poles, steepest_slope
 from sample_blends.scenes import add_camera, empty_scene, principled
+from tests.shader_harness import evaluate_group
+
+CASES = 2000
 
 
 def test_a_mirror_seen_from_straight_above_shows_the_ceiling_and_nothing_of_the_floor() -> None:
@@ -27,3 +33,38 @@ def test_a_mirror_seen_from_straight_above_shows_the_ceiling_and_nothing_of_the_
     for kind in ("PERSP", "ORTHO"):
         camera.data.type, camera.data.ortho_scale = kind, 1.0
         np.testing.assert_allclose(render(scene, samples=4).pixels, 1.0, atol=0.02, err_msg=kind)
+
+
+@pytest.mark.parametrize("height", [32, 256, 1024, 2048])
+def test_near_a_pole_no_picture_however_large_shows_the_other(scene, height: int) -> None:
+    """White above and black below; directions within a texel of the poles, and the poles themselves."""
+    rng = np.random.default_rng(1)
+    tilt, azimuth = np.pi / height * rng.random(CASES) ** 2, 2.0 * np.pi * rng.random(CASES)
+    tilt[: CASES // 10] = 0.0
+    side = rng.choice([-1.0, 1.0], CASES)
+    directions = [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), side * np.cos(tilt)]
+    found = evaluate_group(_halves(height), {"Direction": np.stack(directions, -1), "Steepest": steepest_slope(height)})
+    np.testing.assert_allclose(found["Color"][:, 0], side > 0, rtol=0.0, atol=1e-6)
+
+
+def _halves(height: int) -> bpy.types.ShaderNodeTree:
+    """A group that reads a picture as a probe's group does."""
+    pixels = np.zeros((height, 2 * height, 4), np.float32)
+    pixels[height // 2 :] = 1.0
+    picture = bpy.data.images.new("Halves", 2 * height, height, is_data=True)
+    picture.pixels.foreach_set(pixels.ravel())
+    guard = bpy.data.node_groups.new("Guard", "ShaderNodeTree")
+    node_builder.emit(guard, off_poles())
+    tree = bpy.data.node_groups.new("Look", "ShaderNodeTree")
+    node_builder.declare_sockets(tree, "INPUT", {"Direction": "NodeSocketVector", "Steepest": "NodeSocketFloat"})
+    node_builder.declare_sockets(tree, "OUTPUT", {"Color": "NodeSocketColor"})
+    nodes, links = tree.nodes, tree.links
+    source, off, texture, sink = (
+        nodes.new(kind) for kind in ("NodeGroupInput", "ShaderNodeGroup", "ShaderNodeTexEnvironment", "NodeGroupOutput")
+    )
+    off.node_tree, texture.image = guard, picture
+    for name in ("Direction", "Steepest"):
+        links.new(source.outputs[name], off.inputs[name])
+    links.new(off.outputs["Direction"], texture.inputs["Vector"])
+    links.new(texture.outputs["Color"], sink.inputs["Color"])
+    return tree
