@@ -23,7 +23,7 @@ from tests.conformance.bound import direction_bound
 from tests.conformance.cases import Cases
 from tests.conformance.families import CORRECTIONS, FAMILIES, Family, at, on_boundary, room
 from tests.conformance.reference import exact
-from tests.conformance.run import directions, offsets_in_eevee, together
+from tests.conformance.run import directions, errors_in_eevee, together
 from tests.conformance.verdict import WELL_CONDITIONED, judge
 from tests.shader_harness import evaluate_group
 
@@ -106,26 +106,25 @@ def _shares_of_bound_in_eevee() -> dict[str, float]:
     for correction in CORRECTIONS:
         cases, where = together(EEVEE_CASES, correction)
         truth = exact(cases)
-        offset = offsets_in_eevee(cases, variants.full(correction), truth.direction)
-        share = np.linalg.norm(offset, axis=-1) / (direction_bound(cases, truth) + EXPECTED_ROUNDING)
+        error = errors_in_eevee(cases, variants.full(correction), truth.direction)
+        share = error / (direction_bound(cases, truth) + EXPECTED_ROUNDING)
         for name, part in where.items():
             shares[name] = max(shares.get(name, 0.0), float(share[part].max()))
     return shares
 
 
 def _guard_rows() -> list[list[str]]:
-    every = sum(len(family.corrections) for family in FAMILIES if family.finite) * FEW
     rows = []
     for variant in variants.WITHOUT:
         correction = variant.corrections[-1] if len(variant.corrections) == 1 else Correction.TURNED_BOX
         shipped, without = ({"Direction": make(correction)} for make in (variants.full, variant.direction))
-        wrong = sum(
+        failures = [
             _failures(family.cases(FEW, c), variant)
             for family in FAMILIES
             for c in family.corrections
             if family.finite and c in variant.corrections
-        )
-        rows.append([variant.name, f"{wrong:,} of {every:,} lookups", *_price(shipped, without)])
+        ]
+        rows.append([variant.name, f"{sum(failures):,} of {len(failures) * FEW:,} lookups", *_price(shipped, without)])
     direction = variants.full(Correction.TURNED_BOX)
     guarded = {"Direction": _substituted(formula.off_poles()["Direction"], direction)}
     rows.append(["half a texel off the poles", _poles(), *_price(guarded, {"Direction": direction})])

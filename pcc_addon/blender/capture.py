@@ -77,7 +77,7 @@ class Stage:
         return picture
 
     def glimpse(self, probe: ProbeSpec, index: int) -> np.ndarray:
-        """A face by Cycles of one sample for each pixel, as it is before the denoiser hides its faults."""
+        """A face by Cycles of one sample for each pixel, without the denoiser that would hide its faults."""
         with ExitStack() as stack:
             override(stack, self.scene.cycles, "samples", 1)
             override(stack, self.scene.cycles, "use_denoising", False)

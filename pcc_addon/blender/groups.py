@@ -163,6 +163,15 @@ def build_probe_group(
     return tree
 
 
+def set_padding(probe_group: bpy.types.ShaderNodeTree, padding: float) -> None:
+    """Let the influence begin to fade elsewhere, in metres beyond the box; nothing is rebuilt."""
+    for node in probe_group.nodes:
+        if node.label == "Lookup" and "Padding" in node.inputs:
+            socket = node.inputs["Padding"]
+            if abs(socket.default_value - padding) > 1e-6 * padding:  # setting it asks for another update
+                socket.default_value = padding
+
+
 def was_moved(probe: bpy.types.Object) -> bool:
     """Whether a probe stands elsewhere than when its group was built."""
     return list(probe.pcc_probe.group.get(_BUILT_FOR, ())) != _matrix(probe)
@@ -175,7 +184,8 @@ def _matrix(probe: bpy.types.Object) -> list[float]:
 def _owner(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
     """The probe that a group was built for: a copy of a probe starts out with the original's group."""
     curves = tree.animation_data.drivers if tree.animation_data else ()
-    followed = next((curve.driver.variables[0].targets[0].id for curve in curves), None)
+    variables = (variable for curve in curves for variable in curve.driver.variables)
+    followed = next((variable.targets[0].id for variable in variables), None)
     return followed or next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
 
 

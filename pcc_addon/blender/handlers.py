@@ -15,7 +15,7 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
     """Give a probe that was moved the lookup that holds wherever it is now; the next injection specialises it again.
 
     Drivers follow the box; what they cannot follow is that it was unrotated, held all surfaces or was captured from its
-    centre.
+    centre, and how far from the origin it stands. Animation does not call this: `ProbeSpec.effects` knows of it.
     """
     for update in depsgraph.updates:
         probe = update.id.original
@@ -26,12 +26,14 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
         if not groups.was_moved(probe):
             continue
         try:
-            record = bake_record(probe)
+            record, spec = bake_record(probe), probe_spec(probe)
             if record is None:
                 continue
-            needed = probe_spec(probe).effects(all_inside=False, captured_at=record.capture_point)
+            needed = spec.effects(all_inside=False, captured_at=record.capture_point)
             if groups.shown_effects(probe.pcc_probe.group) != needed.label:
                 refresh_group(probe)
+            else:
+                groups.set_padding(probe.pcc_probe.group, spec.influence_padding)
         except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
             continue
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -185,8 +185,9 @@ class BakeJob:
                 yield f"face {face.name}"
                 picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
                 faces.append(picture)
-                if spec.engine is Engine.CYCLES and spec.denoise:
-                    bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)[1] or bad
+                if bad is None and spec.engine is Engine.CYCLES and spec.denoise:
+                    _, bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)
+                    bad = bad and replace(bad, glimpsed=True)
                 replaced += [str(bad)] if bad else []
         yield "assembling"
         pictures = {0.0: equirect.from_faces(faces, OVERSCAN)}

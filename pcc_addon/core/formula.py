@@ -35,7 +35,7 @@ from .expression import (
 )
 
 # Metres; a point nearer to a wall than this is on it. Below the spacing of float32 in any box larger than 0.1 mm, and
-# its reciprocal times any distance can still be squared.
+# its reciprocal times any distance up to 10⁷ m can still be squared.
 ON_WALL = 1e-12
 
 POSITION = vector("Position")
@@ -121,14 +121,14 @@ def off_poles() -> dict[str, Expr]:
     }
 
 
-_POLE_BLUR = 1.5 * math.sqrt(2.0**-23)  # radians
+_COSINE_ERROR = 2.25 * 2.0**-24  # z / length in float32: a division and a length of half an ulp each, and a little more
 _NO_UPPER, _NO_LOWER = (1e30, 1e30, 0.0), (-1e30, -1e30, 0.0)  # of the horizontal components
 
 
 def steepest_slope(height: int) -> float:
     """z over the horizontal length of the steepest directions that read only their own side of a picture.
 
-    They lie half a texel from the pole in a picture of `height` rows, and as much again as the renderer may err: Cycles
-    finds the elevation by an arc cosine, which near a pole is no surer than the root of float32's roundoff.
+    Cycles finds the angle θ from the pole by an arc cosine. Where that is off by δ, θ² is off by 2 δ: so θ² must exceed
+    that of half a texel, in a picture of `height` rows, by as much.
     """
-    return 1.0 / math.tan(math.hypot(math.pi / (2.0 * height), _POLE_BLUR))
+    return 1.0 / math.tan(math.hypot(math.pi / (2.0 * height), math.sqrt(2.0 * _COSINE_ERROR)))

@@ -14,6 +14,7 @@ from .errors import ProbeError
 
 MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION = 16, 4096
 _FLATTEST = 1e-9  # smallest accepted ratio of a box's volume to that of a box with the same edge lengths
+STEEPEST_FALLOFF = 1e-9  # metres: an edge
 _ULP = float(np.finfo(np.float32).eps)
 _UPRIGHT = 4.0 * _ULP  # how far, in radians, a box that counts as turned about the vertical may lean
 _INFINITE = float(np.finfo(np.float32).max)  # Blender turns an infinity that a script sets into this
@@ -120,6 +121,7 @@ class ProbeSpec:
         outside: what a surface beyond the falloff shows.
         corrected: False for the classic, uncorrected lookup.
         hidden: names of objects that the capture leaves out.
+        animated: whether animation, constraints or parents may move it while nobody looks.
     """
 
     name: str
@@ -136,6 +138,7 @@ class ProbeSpec:
     outside: Outside = Outside.UNCORRECTED
     corrected: bool = True
     hidden: tuple[str, ...] = field(default=())
+    animated: bool = False
 
     def __post_init__(self) -> None:
         if not MINIMUM_RESOLUTION <= self.resolution <= MAXIMUM_RESOLUTION:
@@ -163,7 +166,7 @@ class ProbeSpec:
         return self.box.centre + unit_axes @ np.array(self.capture_offset)
 
     def effects(self, all_inside: bool, captured_at: Sequence[float]) -> LookupEffects:
-        """The lookup effects that the probe calls for.
+        """The lookup effects that the probe calls for; all that there are where it is animated.
 
         Args:
             all_inside: whether no surface that shows it leaves its box.
@@ -171,6 +174,8 @@ class ProbeSpec:
         """
         if not self.corrected:
             return LookupEffects(Correction.NONE, None, False)
+        if self.animated:
+            return LookupEffects(Correction.ORIENTED_BOX, self.outside, offset=True)
         offset = tuple(captured_at) != tuple(self.box.centre)
         return LookupEffects(self.box.correction, None if all_inside else self.outside, offset)
 
@@ -182,8 +187,8 @@ class ProbeSpec:
 
     @property
     def influence_falloff(self) -> float:
-        """The falloff, metres; an edge is a fall over a nanometre, so that shaders need not ask for zero."""
-        return max(self.falloff, 1e-9)
+        """The falloff, metres, never 0: shaders divide by it."""
+        return max(self.falloff, STEEPEST_FALLOFF)
 
     def contains(self, corners: np.ndarray) -> bool:
         """Whether world-space points (n, 3), and all between them, lie within the box and its padding."""

@@ -4,8 +4,10 @@ The rule: NaN, −inf and negative values become 0; +inf and values from 65504 o
 
 The renderers have rules of their own, and what they replace before there is a picture cannot be counted. Cycles turns
 samples that are NaN or infinite (an emission of 3e38 too) into black. Its denoiser turns negative pixels into black and
-spreads too bright ones over their neighbours, so the bake counts in a glimpse without denoising. EEVEE turns NaN,
-infinite and negative pixels into black and cuts off at 65504, which is why that value itself counts as too bright.
+spreads too bright ones over their neighbours; where a denoised face shows no fault, the bake looks for one in a glimpse
+of one sample a pixel without denoising. That tells that there is such light and about where, not how much of it is in
+the picture, and may miss what is smaller than a pixel. EEVEE turns NaN, infinite and negative pixels into black and
+cuts off at 65504, which is why that value itself counts as too bright.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ class BadPixels:
         not_finite, negative, too_bright: how many were NaN or infinite (now 0, or `BRIGHTEST` for +inf), below 0
             (now 0), finite but `BRIGHTEST` or more (now that).
         first: (column, row) of the first of them, from the lower left of the face's 90°.
+        glimpsed: whether they are not of the picture but of a glimpse before denoising.
     """
 
     face: str
@@ -35,13 +38,13 @@ class BadPixels:
     negative: int
     too_bright: int
     first: tuple[int, int]
+    glimpsed: bool = False
 
     def __str__(self) -> str:
         counts = {"not finite": self.not_finite, "negative": self.negative, "too bright": self.too_bright}
         parts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-        return (
-            f"face {self.face}: {parts} pixels were replaced, the first at column {self.first[0]}, row {self.first[1]}"
-        )
+        fate = "at one sample a pixel, hidden by denoising" if self.glimpsed else "were replaced"
+        return f"face {self.face}: {parts} pixels {fate}, the first at column {self.first[0]}, row {self.first[1]}"
 
 
 def clean(face_index: int, picture: np.ndarray, overscan: int = 0) -> tuple[np.ndarray, BadPixels | None]:

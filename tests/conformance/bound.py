@@ -57,10 +57,8 @@ def _reciprocal_distances(
     d_ahead = d_origin + ROUNDOFF * np.abs(ahead)
     unsure = speed <= d_speed  # either wall may be taken for the one ahead
     nearest = np.where(unsure, half - np.abs(exact.origin), ahead)
-    farthest = np.where(unsure, half + np.abs(exact.origin), ahead)
-    least = np.maximum(speed - d_speed, 0.0) / np.maximum(farthest + d_ahead, ON_WALL)
+    least = np.maximum(speed - d_speed, 0.0) / np.maximum(ahead + d_ahead, ON_WALL)
     most = (speed + d_speed) / np.maximum(nearest - d_ahead, ON_WALL)
-    least[unsure] = 0.0
     return least.max(-1), most.max(-1)
 
 

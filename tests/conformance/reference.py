@@ -81,6 +81,12 @@ def _dot(a: mpmath.matrix, b: mpmath.matrix) -> mpmath.mpf:
 
 
 def angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Radians (n,) between vectors (n, 3) of any length, accurate for small angles too."""
-    a, b = unit(a.astype(np.float64)), unit(b.astype(np.float64))
-    return np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(-1))
+    """Radians (n,) between vectors (n, 3) of any length, accurate for small angles too.
+
+    Half a turn, the worst there is, where only one of them is zero or not finite; 0 where both are.
+    """
+    with np.errstate(invalid="ignore"):
+        a, b = unit(a.astype(np.float64)), unit(b.astype(np.float64))
+        found = np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(-1))
+    nothing_a, nothing_b = (~np.isfinite(v).all(-1) | ~v.any(-1) for v in (a, b))
+    return np.where(nothing_a | nothing_b, np.where(nothing_a & nothing_b, 0.0, np.pi), found)

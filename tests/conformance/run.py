@@ -28,13 +28,15 @@ def directions(cases: Cases, direction: Expr) -> np.ndarray:
     return np.where(found["Is Finite"][:, None] == 1.0, found["Direction"], np.nan)
 
 
-def offsets_in_eevee(cases: Cases, direction: Expr, expected: np.ndarray) -> np.ndarray:
-    """(n, 3) distances, by component, of EEVEE's unit directions from `expected` (n, 3), of length 1 as well.
+def errors_in_eevee(cases: Cases, direction: Expr, expected: np.ndarray) -> np.ndarray:
+    """(n,) how far EEVEE's unit directions end from `expected` (n, 3), of length 1 too; NaN where one is not finite.
 
     The shader subtracts, because EEVEE's pictures are half floats.
     """
-    outputs = {"Offset": absolute(normalize(direction) - vector("Expected")) * _MAGNIFIED}
-    return _run(outputs, cases, {"Expected": expected}, Engine.EEVEE)["Offset"] / _MAGNIFIED
+    offset = absolute(normalize(direction) - vector("Expected")) * _MAGNIFIED
+    outputs = {"Offset": offset, "Is Finite": dot(direction, vector("Zero")) + 1.0}
+    found = _run(outputs, cases, {"Expected": expected, "Zero": np.zeros(3)}, Engine.EEVEE)
+    return np.where(found["Is Finite"] == 1.0, np.linalg.norm(found["Offset"], axis=-1) / _MAGNIFIED, np.nan)
 
 
 def values(cases: Cases, outputs: Mapping[str, Expr], extra: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -7,6 +7,7 @@ import pytest
 
 from pcc_addon.core import formula
 from pcc_addon.core.effects import Correction, LookupEffects, Outside
+from pcc_addon.core.probe import STEEPEST_FALLOFF
 
 from .bound import ALONG, REFLECT, ROUNDOFF, direction_bound
 from .cases import Cases, unit
@@ -23,7 +24,7 @@ def fades(cases: Cases, rng: np.random.Generator) -> dict[str, np.ndarray]:
     least = cases.half_widths.min(-1)
     falloff = np.where(rng.random(len(cases)) < 0.1, 0.0, least * 10.0 ** rng.uniform(-3.0, 0.5, len(cases)))
     padding = least * 10.0 ** rng.uniform(-5.0, -2.0, len(cases))
-    return {"Padding": padding.astype(np.float32), "Falloff": np.maximum(falloff, 1e-9).astype(np.float32)}
+    return {"Padding": padding.astype(np.float32), "Falloff": np.maximum(falloff, STEEPEST_FALLOFF).astype(np.float32)}
 
 
 def exact_weight(cases: Cases, truth: Exact, fade: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -45,6 +46,7 @@ def test_what_fades_stays_within_its_bound(scene, correction: Correction, outsid
     cases, where = together(COUNT, correction)
     fade = fades(cases, np.random.default_rng(41))
     found = values(cases, formula.lookup(LookupEffects(correction, outside)), fade)
+    assert outside is Outside.BLACK or found["Direction"].any(-1)[exact(cases).ray.any(-1)].mean() > 0.999
     truth = exact(cases)
     weight, weight_bound = exact_weight(cases, truth, fade)
     if outside is Outside.BLACK:

@@ -39,15 +39,11 @@ class Verdict:
 
     @property
     def well_conditioned(self) -> np.ndarray:
-        """(n,) where float32 can do well."""
+        """(n,) where the bound is no more than `WELL_CONDITIONED`."""
         return self.bound <= WELL_CONDITIONED
 
 
 def judge(cases: Cases, direction: np.ndarray) -> Verdict:
     """Compare computed directions (n, 3) with the exact ones."""
     truth = exact(cases)
-    finite = np.isfinite(direction).all(-1)
-    known = np.nan_to_num(direction)
-    lost = ~known.any(-1) & truth.direction.any(-1)  # NaN, or a zero vector where there is something to see
-    error = np.where(lost, np.pi, angle(known, truth.direction))
-    return Verdict(error, direction_bound(cases, truth), finite)
+    return Verdict(angle(direction, truth.direction), direction_bound(cases, truth), np.isfinite(direction).all(-1))

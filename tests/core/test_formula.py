@@ -14,7 +14,7 @@ from pcc_addon.core import formula
 from pcc_addon.core.effects import Correction, LookupEffects, Outside
 from pcc_addon.core.evaluate import evaluate
 from pcc_addon.core.expression import vector
-from pcc_addon.core.probe import Box, ProbeSpec
+from pcc_addon.core.probe import STEEPEST_FALLOFF, Box, ProbeSpec
 
 from . import boxes
 
@@ -49,7 +49,7 @@ def look(
         "Half Widths": box.half_widths,
         "Capture Point": box.centre if capture is None else capture,
         "Padding": padding,
-        "Falloff": max(falloff, 1e-9),
+        "Falloff": max(falloff, STEEPEST_FALLOFF),
     }
     return evaluate(formula.lookup(effects), inputs, dtype)
 

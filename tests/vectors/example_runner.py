@@ -22,9 +22,9 @@ def lookup(case):
 
 
 def angle(a, b):
-    """Radians between two vectors, exact for small angles too."""
+    """Radians between two vectors, exact for small angles too; half a turn for no direction at all."""
     cross = [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
-    return math.atan2(math.hypot(*cross), dot(a, b))
+    return math.atan2(math.hypot(*cross), dot(a, b)) if any(a) else math.pi
 
 
 cases = json.loads(Path(__file__).with_name("lookup.json").read_text(encoding="utf-8"))["cases"]

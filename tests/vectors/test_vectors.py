@@ -69,6 +69,7 @@ def test_the_runner_tells_which_families_a_faulty_implementation_fails(tmp_path)
         "max(half - math.copysign(q, q * speed), 1e-12)": "(half - math.copysign(q, q * speed) or math.inf)",
         "math.copysign(q, q * speed)": "abs(q)",
         "nearness + r": "+ r",
+        "return [(p - b)": "return [0.0, 0.0, 0.0] or [(p - b)",
     }
     for right, wrong in faults.items():
         assert right in script
