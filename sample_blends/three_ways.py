@@ -35,8 +35,10 @@ def three_ways(scene: bpy.types.Scene, probe: bpy.types.Object, folder: Path) ->
     """
     folder.mkdir(parents=True, exist_ok=True)
     probe.pcc_probe.correction = "NONE"
+    bpy.ops.pcc.inject()  # each shader only as large as it need be
     classic = render(scene, "Probe, classic lookup", folder / "classic.png")
     probe.pcc_probe.correction = "BOX"
+    bpy.ops.pcc.inject()
     corrected = render(scene, "Probe, parallax-corrected", folder / "corrected.png")
     bpy.ops.pcc.remove()
     truth = render(scene, "Path-traced reflections", folder / "path_traced.png")
