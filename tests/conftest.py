@@ -5,9 +5,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
+
+if TYPE_CHECKING:
+    import bpy
 
 # Property tests draw the same examples in every run and leave no files. `--hypothesis-profile thorough` looks longer.
 settings.register_profile("default", deadline=None, derandomize=True, database=None)
@@ -54,3 +58,11 @@ def addon() -> Iterator[None]:
     pcc_addon.register()
     yield
     pcc_addon.unregister()
+
+
+@pytest.fixture
+def scene(addon: None) -> bpy.types.Scene:
+    """An empty scene in a new, unsaved file."""
+    from sample_blends.scenes import empty_scene
+
+    return empty_scene()

@@ -13,14 +13,6 @@ def _registered(addon: None) -> None:
 
 
 @pytest.fixture
-def scene() -> bpy.types.Scene:
-    """An empty scene in a new, unsaved file."""
-    from sample_blends.scenes import empty_scene
-
-    return empty_scene()
-
-
-@pytest.fixture
 def probe(scene: bpy.types.Scene) -> bpy.types.Object:
     """A probe that has pictures without having rendered them."""
     from tests.blender.helpers import pretend_bake, small_probe
