@@ -11,7 +11,7 @@ import numpy as np
 
 from pcc_addon.blender import node_builder
 from pcc_addon.core.expression import Expr
-from sample_blends.scenes import empty_scene
+from sample_blends.scenes import emissive, empty_scene
 
 WIDTH, SAMPLES, ROUNDS = 384, 64, 9
 
@@ -61,12 +61,9 @@ def _scene() -> bpy.types.Scene:
 
 
 def _material(name: str, outputs: Mapping[str, Expr], constants: Mapping) -> bpy.types.Material:
-    material = bpy.data.materials.new(name)
+    material, emission = emissive(name)
     material.cycles.emission_sampling = "NONE"
-    if material.node_tree is None:
-        material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    nodes.clear()
     tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
     node_builder.emit(tree, {"Direction": outputs["Direction"]})
     group, geometry = nodes.new("ShaderNodeGroup"), nodes.new("ShaderNodeNewGeometry")
@@ -76,12 +73,10 @@ def _material(name: str, outputs: Mapping[str, Expr], constants: Mapping) -> bpy
             links.new(geometry.outputs[socket.name], socket)
         else:
             socket.default_value = constants[socket.name]
-    texture, emission = nodes.new("ShaderNodeTexEnvironment"), nodes.new("ShaderNodeEmission")
+    texture = nodes.new("ShaderNodeTexEnvironment")
     texture.image = _picture()
-    output = nodes.new("ShaderNodeOutputMaterial")
     links.new(group.outputs["Direction"], texture.inputs["Vector"])
     links.new(texture.outputs["Color"], emission.inputs["Color"])
-    links.new(emission.outputs[0], output.inputs["Surface"])
     return material
 
 

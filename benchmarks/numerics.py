@@ -6,13 +6,13 @@ python3 dev.py run benchmarks/numerics.py
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import bpy
 import numpy as np
 
 from benchmarks.lookup_time import node_count, relative_times
 from benchmarks.measure import ROOT, start, table, write_between
-from pcc_addon.blender import node_builder
 from pcc_addon.core import formula
 from pcc_addon.core.effects import Correction, LookupEffects, Outside
 from pcc_addon.core.evaluate import evaluate
@@ -23,27 +23,13 @@ from tests.conformance.bound import direction_bound
 from tests.conformance.cases import Cases
 from tests.conformance.families import CORRECTIONS, FAMILIES, Family, at, on_boundary, room
 from tests.conformance.reference import exact
-from tests.conformance.run import directions, errors_in_eevee, together
+from tests.conformance.run import EXPECTED_ROUNDING, directions, errors_in_eevee, together
 from tests.conformance.verdict import WELL_CONDITIONED, judge
+from tests.poles import halves
 from tests.shader_harness import evaluate_group
 
-EXPECTED_ROUNDING = 1e-7  # radians: of the expected directions that EEVEE is given
 CASES, EEVEE_CASES, FEW = 16_384, 1024, 4096  # of a family and a correction
 PAGE = ROOT / "docs" / "numerics.md"
-# A room turned about the vertical; what stands in a shader as constants.
-ROOM = {
-    "Box Centre": (0.1, 0.2, 0.3),
-    "Capture Point": (0.1, 0.2, 0.0),
-    "Half Widths": (5.0, 4.0, 1.4),
-    "Turn Mirror": (-0.2588190, 0.9659258, 0.0),
-    "Face Normal X": (0.8660254, 0.5, 0.0),
-    "Face Normal Y": (-0.5, 0.8660254, 0.0),
-    "Face Normal Z": (0.0, 0.0, 1.0),
-    "Box Offset": (0.1866, 0.1232, 0.3),
-    "Padding": 0.01,
-    "Falloff": 0.25,
-    "Steepest": formula.steepest_slope(256),
-}
 
 
 def main() -> None:
@@ -71,14 +57,7 @@ def _family_row(family: Family, in_eevee: float) -> list[str]:
             f"{np.sum(lost):,}",
             *["–"] * (1 + len(variants.WITHOUT)),
         ]
-    verdicts, articles = [], 0
-    failures = dict.fromkeys(variants.WITHOUT, 0)
-    for cases in _all_cases(family):
-        verdicts.append(judge(cases, directions(cases, variants.full(cases.correction))))
-        articles += _failures(cases, variants.ARTICLES)
-        for variant in variants.WITHOUT:
-            if cases.correction in variant.corrections:
-                failures[variant] += _failures(cases, variant)
+    verdicts = [judge(cases, directions(cases, variants.full(cases.correction))) for cases in _all_cases(family)]
     error, bound, finite = (np.concatenate([getattr(v, n) for v in verdicts]) for n in ("error", "bound", "finite"))
     worst = error.argmax()
     row = [
@@ -89,15 +68,19 @@ def _family_row(family: Family, in_eevee: float) -> list[str]:
         f"{(bound <= WELL_CONDITIONED).mean():.0%}",
     ]
     row += [f"{(error / bound).max():.2f}", f"{in_eevee:.2f}", str((~finite).sum())]
-    return row + [f"{count:,}" for count in (articles, *failures.values())]
+    return row + [f"{_wrong(family, variant):,}" for variant in (variants.ARTICLES, *variants.WITHOUT)]
 
 
 def _all_cases(family: Family) -> list[Cases]:
     return [family.cases(CASES, correction) for correction in family.corrections]
 
 
-def _failures(cases: Cases, variant: variants.Variant) -> int:
-    return int(judge(cases, directions(cases, variant.direction(cases.correction))).visibly_wrong.sum())
+@cache
+def _wrong(family: Family, variant: variants.Variant) -> int:
+    """How many of a family's cases a variant gets visibly wrong, of those in which it differs from the formula."""
+    concerned = [cases for cases in _all_cases(family) if cases.correction in variant.corrections]
+    verdicts = (judge(cases, directions(cases, variant.direction(cases.correction))) for cases in concerned)
+    return sum(int(verdict.visibly_wrong.sum()) for verdict in verdicts)
 
 
 def _shares_of_bound_in_eevee() -> dict[str, float]:
@@ -118,13 +101,10 @@ def _guard_rows() -> list[list[str]]:
     for variant in variants.WITHOUT:
         correction = variant.corrections[-1] if len(variant.corrections) == 1 else Correction.TURNED_BOX
         shipped, without = ({"Direction": make(correction)} for make in (variants.full, variant.direction))
-        failures = [
-            _failures(family.cases(FEW, c), variant)
-            for family in FAMILIES
-            for c in family.corrections
-            if family.finite and c in variant.corrections
-        ]
-        rows.append([variant.name, f"{sum(failures):,} of {len(failures) * FEW:,} lookups", *_price(shipped, without)])
+        finite = [family for family in FAMILIES if family.finite]
+        wrong = sum(_wrong(family, variant) for family in finite)
+        looked_up = CASES * sum(c in variant.corrections for family in finite for c in family.corrections)
+        rows.append([variant.name, f"{wrong:,} of {looked_up:,} lookups", *_price(shipped, without)])
     direction = variants.full(Correction.TURNED_BOX)
     guarded = {"Direction": _substituted(formula.off_poles()["Direction"], direction)}
     rows.append(["half a texel off the poles", _poles(), *_price(guarded, {"Direction": direction})])
@@ -135,7 +115,11 @@ def _guard_rows() -> list[list[str]]:
 
 def _price(shipped: dict[str, Expr], without: dict[str, Expr]) -> list[str]:
     """How many nodes more, and how much longer a frame of lookups takes."""
-    times = relative_times({"without": without, "with": shipped}, ROOM)
+    constants = {
+        name: values[0] for name, values in variants.inputs(FAMILIES[0].cases(1, Correction.TURNED_BOX)).items()
+    }
+    constants["Steepest"] = formula.steepest_slope(256)
+    times = relative_times({"without": without, "with": shipped}, constants)
     return [f"{node_count(shipped) - node_count(without):+d}", f"{times['with']:.2f}"]
 
 
@@ -155,20 +139,7 @@ def _poles() -> str:
     tilt, azimuth = np.pi / height * rng.random(FEW), 2.0 * np.pi * rng.random(FEW)
     side = rng.choice([-1.0, 1.0], FEW)
     given = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), side * np.cos(tilt)], -1)
-    pixels = np.zeros((height, 2 * height, 4), np.float32)
-    pixels[height // 2 :] = 1.0
-    picture = bpy.data.images.new("Halves", 2 * height, height, float_buffer=True, is_data=True)
-    picture.pixels.foreach_set(pixels.ravel())
-    tree = bpy.data.node_groups.new("Poles", "ShaderNodeTree")
-    node_builder.declare_sockets(tree, "INPUT", {"Direction": "NodeSocketVector"})
-    node_builder.declare_sockets(tree, "OUTPUT", {"Color": "NodeSocketColor"})
-    source, texture, sink = (
-        tree.nodes.new(kind) for kind in ("NodeGroupInput", "ShaderNodeTexEnvironment", "NodeGroupOutput")
-    )
-    texture.image = picture
-    tree.links.new(source.outputs["Direction"], texture.inputs["Vector"])
-    tree.links.new(texture.outputs["Color"], sink.inputs["Color"])
-    found = evaluate_group(tree, {"Direction": given})["Color"][:, 0]
+    found = evaluate_group(halves(height, guarded=False), {"Direction": given})["Color"][:, 0]
     return f"{int((np.abs(found - (side > 0)) > 0.01).sum()):,} of {FEW:,} lookups within a texel of a pole"
 
 

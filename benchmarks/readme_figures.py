@@ -5,19 +5,14 @@ python3 dev.py run benchmarks/readme_figures.py
 
 from __future__ import annotations
 
-from pathlib import Path
+from benchmarks.measure import ROOT, write_between
 
-ROOT = Path(__file__).resolve().parents[1]
-BEGIN, END = "<!-- figures: written by benchmarks/readme_figures.py -->\n", "<!-- end of figures -->"
 PAGES = ("emissive_room.md", "shading_cost.md")
 
 
 def main() -> None:
-    readme = ROOT / "README.md"
-    before, _, rest = readme.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
     tables = [_table((ROOT / "docs" / page).read_text(encoding="utf-8")) for page in PAGES]
-    readme.write_text(f"{before}{BEGIN}\n" + "\n\n".join(tables) + f"\n\n{END}{after}", encoding="utf-8")
+    write_between(ROOT / "README.md", "figures: written by benchmarks/readme_figures.py", "\n\n".join(tables))
 
 
 def _table(page: str) -> str:

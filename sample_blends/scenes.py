@@ -109,15 +109,21 @@ def _checker(
     return checker.outputs["Color"]
 
 
-def _emissive_checker(name: str, bright: tuple, dark: tuple) -> bpy.types.Material:
+def emissive(name: str) -> tuple[bpy.types.Material, bpy.types.Node]:
+    """A material of one Emission node, and that node."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True
-    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes = material.node_tree.nodes
     nodes.clear()
     emission, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
-    links.new(_checker(material, bright, dark, 1.0), emission.inputs["Color"])
-    links.new(emission.outputs[0], output.inputs["Surface"])
+    material.node_tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    return material, emission
+
+
+def _emissive_checker(name: str, bright: tuple, dark: tuple) -> bpy.types.Material:
+    material, emission = emissive(name)
+    material.node_tree.links.new(_checker(material, bright, dark, 1.0), emission.inputs["Color"])
     return material
 
 

@@ -20,6 +20,7 @@ from pcc_addon.blender import compat, node_builder, pictures
 from pcc_addon.blender.overrides import temporary
 from pcc_addon.core.expression import Expr
 from pcc_addon.core.probe import Engine
+from sample_blends.scenes import emissive
 
 
 def evaluate_expressions(
@@ -42,7 +43,7 @@ def evaluate_group(
 
     Args:
         tree: the group; its sockets are floats, vectors or colours.
-        inputs: for every input of the group, by name, an array (n,) or (n, 3), or one value for all cases.
+        inputs: for at least every input of the group, by name, an array (n,) or (n, 3), or one value for all cases.
         outputs: names of the outputs wanted; None: all.
         engine: EEVEE rounds what it shows to half floats and takes at most about a dozen inputs.
 
@@ -84,7 +85,8 @@ class _Bench:
         self._folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pcc-harness-")))
         data = bpy.data
         self._scene = temporary(stack, data.scenes, data.scenes.new("harness"))
-        self._material = temporary(stack, data.materials, data.materials.new("harness"))
+        self._material, self._emission = emissive("harness")
+        temporary(stack, data.materials, self._material)
         self._mesh = temporary(stack, data.meshes, data.meshes.new("harness"))
         camera = temporary(stack, data.cameras, data.cameras.new("harness"))
         grid = temporary(stack, data.objects, data.objects.new("harness grid", self._mesh))
@@ -96,15 +98,9 @@ class _Bench:
             self._scene.collection.objects.link(item)
         self._scene.camera = eye
         self._set_render(engine)
-        self._nodes().clear()
-        self._emission = self._nodes().new("ShaderNodeEmission")
-        output = self._nodes().new("ShaderNodeOutputMaterial")
-        self._material.node_tree.links.new(self._emission.outputs[0], output.inputs["Surface"])
         self._material.cycles.emission_sampling = "NONE"
 
     def _nodes(self) -> bpy.types.bpy_prop_collection:
-        if self._material.node_tree is None:
-            self._material.use_nodes = True
         return self._material.node_tree.nodes
 
     def _make_grid(self) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from benchmarks.picture_layouts.layouts import Layout
 from pcc_addon.blender import node_builder
 from pcc_addon.core.expression import Expr
+from sample_blends.scenes import emissive
 
 FindDirection = Callable[[bpy.types.NodeTree], bpy.types.NodeSocket]  # adds the nodes that give the direction
 
@@ -51,15 +52,10 @@ class Lookup:
 
 def lookup_of(layout: Layout, find_direction: FindDirection) -> Lookup:
     """Build the material."""
-    material = bpy.data.materials.new(layout.label)
-    if material.node_tree is None:
-        material.use_nodes = True
+    material, emission = emissive(layout.label)
     material.cycles.emission_sampling = "NONE"
     tree = material.node_tree
-    tree.nodes.clear()
-    texture, emission, output = (
-        tree.nodes.new(kind) for kind in (layout.node_type, "ShaderNodeEmission", "ShaderNodeOutputMaterial")
-    )
+    texture = tree.nodes.new(layout.node_type)
     if layout.node_type == "ShaderNodeTexImage":
         texture.extension = "EXTEND"
     place, count = find_direction(tree), 1
@@ -73,7 +69,6 @@ def lookup_of(layout: Layout, find_direction: FindDirection) -> Lookup:
         count += sum(not node.bl_idname.startswith("NodeGroup") for node in find.node_tree.nodes)
     tree.links.new(place, texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], emission.inputs["Color"])
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
     return Lookup(layout, material, texture, count)
 
 

@@ -197,21 +197,13 @@ class BakeJob:
                 pictures[roughness] = prefilter(pictures[0.0], roughness)
         yield "storing"
         seconds = time.perf_counter() - start
-        record = Sidecar(
-            probe=spec.name,
-            uid=ensure_uid(probe),
-            matrix=spec.box.matrix,
-            capture_point=tuple(float(c) for c in spec.capture_point),
-            resolution=spec.resolution,
-            samples=spec.samples,
-            engine=spec.engine.value,
-            denoise=spec.denoise,
-            clip=(spec.clip_start, spec.clip_end),
+        record = Sidecar.of_bake(
+            spec,
+            ensure_uid(probe),
             seconds=round(seconds, 3),
             content_hash=task.content_hash,
             blender=bpy.app.version_string,
             addon=ADDON_VERSION,
-            levels=(),
             replaced_pixels=tuple(replaced),
         )
         levels.store(probe, record, pictures, self._folder, task.all_inside)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from .cubemap import FACES
 from .errors import BakeError
+from .probe import ProbeSpec
 
 VERSION = 1
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
@@ -61,6 +62,37 @@ class Sidecar:
     addon: str
     levels: tuple[Level, ...]
     replaced_pixels: tuple[str, ...] = ()
+
+    @classmethod
+    def of_bake(
+        cls,
+        spec: ProbeSpec,
+        uid: str,
+        *,
+        seconds: float,
+        content_hash: str,
+        blender: str,
+        addon: str,
+        replaced_pixels: tuple[str, ...] = (),
+    ) -> Sidecar:
+        """The record of a bake of `spec`, as yet without levels."""
+        return cls(
+            probe=spec.name,
+            uid=uid,
+            matrix=spec.box.matrix,
+            capture_point=tuple(float(c) for c in spec.capture_point),
+            resolution=spec.resolution,
+            samples=spec.samples,
+            engine=spec.engine.value,
+            denoise=spec.denoise,
+            clip=(spec.clip_start, spec.clip_end),
+            seconds=seconds,
+            content_hash=content_hash,
+            blender=blender,
+            addon=addon,
+            levels=(),
+            replaced_pixels=replaced_pixels,
+        )
 
     def to_json(self) -> str:
         """The sidecar's text, with the format's version and the face convention."""

@@ -68,22 +68,7 @@ def put_in() -> InjectionReport:
 def pretend_bake(probe: bpy.types.Object) -> None:
     """Give a probe the pictures and the record of a bake without rendering."""
     spec = probe_spec(probe)
-    record = Sidecar(
-        probe=spec.name,
-        uid=ensure_uid(probe),
-        matrix=spec.box.matrix,
-        capture_point=tuple(float(c) for c in spec.capture_point),
-        resolution=spec.resolution,
-        samples=spec.samples,
-        engine=spec.engine.value,
-        denoise=spec.denoise,
-        clip=(spec.clip_start, spec.clip_end),
-        seconds=0.0,
-        content_hash="",
-        blender="",
-        addon="",
-        levels=(),
-    )
+    record = Sidecar.of_bake(spec, ensure_uid(probe), seconds=0.0, content_hash="", blender="", addon="")
     store(probe, record, {0.0: np.full((32, 64, 3), 0.5, np.float32)}, None)
 
 

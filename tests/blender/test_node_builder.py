@@ -15,6 +15,7 @@ from pcc_addon.core.evaluate import evaluate
 from pcc_addon.core.expression import Expr, Op, operation, scalar, vector
 from pcc_addon.core.formula import lookup
 from pcc_addon.core.reflectance import dielectric_lobe, surface
+from tests.core.boxes import directions
 from tests.shader_harness import evaluate_expressions, evaluate_group
 
 CASES = 16384
@@ -36,13 +37,7 @@ def signed(rng: np.random.Generator, *shape: int) -> np.ndarray:
 
 
 def unit(rng: np.random.Generator, count: int) -> np.ndarray:
-    vectors = rng.normal(size=(count, 3))
-    return (vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)).astype(np.float32)
-
-
-def read_by(outputs: dict[str, Expr], values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Those of `values` that the expressions read."""
-    return {expr.name: values[expr.name] for expr in node_builder.inputs_of(outputs)}
+    return directions(count, rng).astype(np.float32)
 
 
 # Every operation with each mix of widths that formulas may write, and the largest term that is rounded on the way.
@@ -93,7 +88,7 @@ OPERATIONS: list[tuple[str, Expr, Callable[[dict], np.ndarray] | None]] = [
 def test_a_node_computes_its_operation_to_two_ulp(scene, rng, expr, terms) -> None:
     values = {name: signed(rng, CASES, 3) for name in "abc"} | {name: signed(rng, CASES) for name in "stu"}
     outputs = {"Result": expr}
-    found = evaluate_expressions(outputs, read_by(outputs, values))["Result"]
+    found = evaluate_expressions(outputs, values)["Result"]
     expected = evaluate(outputs, values)["Result"]
     assert np.isfinite(expected).all() and np.ptp(expected) > 0.5
     rounded = np.abs(expected) if terms is None else np.maximum(terms(values), np.abs(expected))
@@ -179,7 +174,7 @@ def test_the_lookup_group_computes_the_formula(scene, rng, effects) -> None:
     outputs = lookup(effects)
     sample = lookup_inputs(rng, effects.correction)
     values = {name: array.astype(np.float32) for name, array in sample.items()}
-    found = evaluate_group(groups.lookup_group(effects), read_by(outputs, values))
+    found = evaluate_group(groups.lookup_group(effects), values)
     expected = evaluate(outputs, values)
     exact = evaluate(outputs, values, np.float64)
     spread = conditioning(outputs, values, exact, rng)
@@ -239,7 +234,7 @@ def test_the_surface_group_computes_the_formula(scene, rng, effects) -> None:
         "Incoming": incoming,
     }
     values = {k: np.asarray(v, np.float32) for k, v in values.items()}
-    found = evaluate_group(groups.surface_group(effects), read_by(outputs, values))
+    found = evaluate_group(groups.surface_group(effects), values)
     expected = evaluate(outputs, values)
     exact = evaluate(outputs, values, np.float64)
     check_like_numpy(found["Reflection"], expected["Reflection"], exact["Reflection"], EPS * values["Radiance"])

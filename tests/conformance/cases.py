@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from pcc_addon.core.effects import Correction
+from tests.core.boxes import unit
 
 
 @dataclass(frozen=True)
@@ -60,9 +61,3 @@ class Cases:
             return self.face_normals.astype(np.float64)
         mirror = unit(self.turn_mirror.astype(np.float64))
         return np.eye(3) - 2.0 * mirror[:, :, None] * mirror[:, None, :]
-
-
-def unit(v: np.ndarray) -> np.ndarray:
-    """Vectors (…, 3) of length 1; the zero vector stays zero."""
-    length = np.linalg.norm(v, axis=-1, keepdims=True)
-    return np.divide(v, length, out=np.zeros_like(v), where=length > 0)

@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pcc_addon.core.effects import Correction
+from tests.core.boxes import directions, unit
 
-from .cases import Cases, unit
+from .cases import Cases
 
 CORRECTIONS = (Correction.ALIGNED_BOX, Correction.TURNED_BOX, Correction.ORIENTED_BOX)
 _ALL, _ORIENTED = CORRECTIONS, (Correction.ORIENTED_BOX,)
@@ -65,11 +66,6 @@ def single(values: object) -> np.ndarray:
         return np.asarray(values).astype(np.float32)
 
 
-def directions(rng: np.random.Generator, n: int) -> np.ndarray:
-    """(n, 3) float64 unit vectors, uniform on the sphere."""
-    return unit(rng.normal(size=(n, 3)))
-
-
 def log_uniform(rng: np.random.Generator, low: float, high: float, shape: tuple[int, ...]) -> np.ndarray:
     """Numbers whose logarithms are uniform."""
     return 10.0 ** rng.uniform(np.log10(low), np.log10(high), shape)
@@ -96,7 +92,7 @@ def room(
         normals: (n, 3, 3) face normals by rows; None: as the correction allows.
     """
     half = log_uniform(rng, 0.5, 10.0, (n, 3)) if half is None else half
-    centre = centre * directions(rng, n) if np.isscalar(centre) else centre
+    centre = centre * directions(n, rng) if np.isscalar(centre) else centre
     mirror = unit(rng.normal(size=(n, 3)) * (1.0, 1.0, 0.0))
     if normals is None:
         normals = np.broadcast_to(np.eye(3), (n, 3, 3))
@@ -105,8 +101,8 @@ def room(
     cases = Cases(
         correction,
         position=np.zeros((n, 3), np.float32),
-        incoming=single(directions(rng, n)),
-        normal=single(directions(rng, n)),
+        incoming=single(directions(n, rng)),
+        normal=single(directions(n, rng)),
         centre=single(centre),
         face_normals=single(normals),
         half_widths=single(half),
@@ -125,7 +121,7 @@ def at(cases: Cases, local: np.ndarray) -> np.ndarray:
 
 def looking(cases: Cases, ray: np.ndarray, rng: np.random.Generator) -> Cases:
     """The same, with eyes and normals such that the reflected ray is about `ray` (n, 3)."""
-    incoming = single(directions(rng, len(cases)))
+    incoming = single(directions(len(cases), rng))
     half_way = unit(unit(ray) + incoming)
     return replace(cases, incoming=incoming, normal=single(half_way))
 
@@ -171,7 +167,7 @@ def axis_parallel(rng: np.random.Generator, n: int, correction: Correction) -> C
     axis = rng.integers(0, 3, n)
     keep = np.eye(3, dtype=bool)[axis] ^ (rng.random(n) < 0.5)[:, None]  # along an axis, or within a plane
     zero = signs(rng, (n, 3)) * 0.0
-    flat = np.where(keep, directions(rng, n), zero)
+    flat = np.where(keep, directions(n, rng), zero)
     return replace(
         cases, incoming=single(np.where(keep, unit(flat), zero)), normal=single(np.where(keep, unit(flat), zero))
     )
@@ -198,7 +194,7 @@ def along_walls(rng: np.random.Generator, n: int, correction: Correction) -> Cas
     cases = room(rng, n, correction)
     local = on_boundary(rng, n, (1,))
     wall = np.einsum("nj,nji->ni", (np.abs(local) == 1.0).astype(float), cases.exact_face_normals())
-    return looking(replace(cases, position=at(cases, local)), np.cross(wall, directions(rng, n)), rng)
+    return looking(replace(cases, position=at(cases, local)), np.cross(wall, directions(n, rng)), rng)
 
 
 @family("through edges and corners")
@@ -290,7 +286,7 @@ def grazing(rng: np.random.Generator, n: int, correction: Correction) -> Cases:
     cases = room(rng, n, correction)
     local = on_boundary(rng, n, (1,))
     inward = -np.einsum("nj,nji->ni", np.where(np.abs(local) == 1.0, local, 0.0), cases.exact_face_normals())
-    within = unit(np.cross(inward, directions(rng, n)))
+    within = unit(np.cross(inward, directions(n, rng)))
     incoming = unit(within + log_uniform(rng, 1e-8, 1e-2, (n, 1)) * inward)
     return replace(cases, position=at(cases, local), incoming=single(incoming), normal=single(inward))
 
@@ -301,7 +297,7 @@ def below_surface(rng: np.random.Generator, n: int, correction: Correction) -> C
     cases = room(rng, n, correction)
     local = on_boundary(rng, n, (1,))
     outward = np.einsum("nj,nji->ni", np.where(np.abs(local) == 1.0, local, 0.0), cases.exact_face_normals())
-    ray = directions(rng, n)
+    ray = directions(n, rng)
     ray *= np.sign((ray * outward).sum(-1, keepdims=True))
     return looking(replace(cases, position=at(cases, local)), ray, rng)
 
@@ -350,7 +346,7 @@ def just_outside(rng: np.random.Generator, n: int, correction: Correction) -> Ca
 @family("far outside")
 def far_outside(rng: np.random.Generator, n: int, correction: Correction) -> Cases:
     cases = room(rng, n, correction)
-    return replace(cases, position=at(cases, directions(rng, n) * log_uniform(rng, 2.0, 1e5, (n, 1))))
+    return replace(cases, position=at(cases, directions(n, rng) * log_uniform(rng, 2.0, 1e5, (n, 1))))
 
 
 @family("NaN and infinite inputs", finite=False)

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import mpmath
 import numpy as np
 
-from .cases import Cases, unit
+from tests.core.boxes import unit
+
+from .cases import Cases
 
 
 @dataclass(frozen=True)

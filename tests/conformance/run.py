@@ -7,7 +7,6 @@ from dataclasses import fields
 
 import numpy as np
 
-from pcc_addon.blender.node_builder import inputs_of
 from pcc_addon.core.effects import Correction
 from pcc_addon.core.expression import Expr, absolute, dot, normalize, vector
 from pcc_addon.core.probe import Engine
@@ -17,6 +16,7 @@ from . import variants
 from .cases import Cases
 from .families import FAMILIES
 
+EXPECTED_ROUNDING = 1e-7  # radians: of the expected directions that EEVEE is given
 _MAGNIFIED = 4096.0  # half floats then resolve differences of 1e-10, and still hold the largest
 
 
@@ -47,9 +47,7 @@ def values(cases: Cases, outputs: Mapping[str, Expr], extra: Mapping[str, np.nda
 def _run(
     outputs: Mapping[str, Expr], cases: Cases, extra: Mapping[str, np.ndarray], engine: Engine
 ) -> dict[str, np.ndarray]:
-    given = variants.inputs(cases) | dict(extra)
-    read = {i.name: given[i.name] for i in inputs_of(outputs)}
-    return evaluate_expressions(outputs, read, engine)
+    return evaluate_expressions(outputs, variants.inputs(cases) | dict(extra), engine)
 
 
 def together(count: int, correction: Correction, finite: bool = True) -> tuple[Cases, dict[str, slice]]:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pcc_addon.blender.node_builder import inputs_of
 from pcc_addon.core import formula
 from pcc_addon.core.effects import Correction, LookupEffects
 from tests.shader_harness import evaluate_expressions
@@ -16,11 +15,10 @@ from . import variants
 from .bound import direction_bound
 from .families import CORRECTIONS, FAMILIES
 from .reference import angle, exact, exact_direction_in_50_digits
-from .run import directions, errors_in_eevee, together
+from .run import EXPECTED_ROUNDING, directions, errors_in_eevee, together
 from .verdict import judge
 
 FEW, MANY = 2048, 20_000  # cases of a family and a correction: over 100,000 and over a million in all
-EXPECTED_ROUNDING = 1e-7  # radians: of the expected directions that EEVEE is given
 
 BY_CORRECTION = pytest.mark.parametrize("correction", CORRECTIONS, ids=lambda c: c.value)
 SIZES = pytest.mark.parametrize("count", [FEW, pytest.param(MANY, marks=pytest.mark.heavy)])
@@ -71,7 +69,7 @@ def test_nan_and_infinite_inputs_harm_no_case_but_their_own(scene, correction: C
         for (name, array), other in zip(healthy.inputs().items(), broken.inputs().values(), strict=True)
     }
     outputs = {"Direction": variants.full(correction)}
-    found = evaluate_expressions(outputs, {i.name: mixed[i.name] for i in inputs_of(outputs)})["Direction"]
+    found = evaluate_expressions(outputs, mixed)["Direction"]
     alone = directions(healthy, variants.full(correction))
     np.testing.assert_array_equal(found[between], alone[between])
     lost = ~np.isfinite(directions(broken, variants.full(correction))).all(-1)

@@ -8,9 +8,10 @@ import pytest
 from pcc_addon.core import formula
 from pcc_addon.core.effects import Correction, LookupEffects, Outside
 from pcc_addon.core.probe import STEEPEST_FALLOFF
+from tests.core.boxes import unit
 
 from .bound import ALONG, REFLECT, ROUNDOFF, direction_bound
-from .cases import Cases, unit
+from .cases import Cases
 from .families import CORRECTIONS
 from .reference import Exact, angle, exact
 from .run import together, values

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from pcc_addon.core import formula
 from pcc_addon.core.effects import Correction, LookupEffects
 from pcc_addon.core.evaluate import evaluate
+from tests.core.boxes import unit
 
-from .cases import Cases, unit
+from .cases import Cases
 from .families import CORRECTIONS
 from .reference import exact
 from .verdict import judge

@@ -105,10 +105,8 @@ WITHOUT = (
 
 def inputs(cases: Cases) -> dict[str, np.ndarray]:
     """What the variants read: the lookup's inputs, and what a matrix would hold in its last column."""
-    given = cases.inputs()
-    if cases.correction is Correction.TURNED_BOX:  # the articles know no mirror: give them the normals
-        for k, axis in enumerate("XYZ"):
-            given[f"Face Normal {axis}"] = cases.exact_face_normals()[:, k]
-    normals = cases.exact_face_normals()
+    normals = cases.exact_face_normals()  # the articles know no mirror
     with np.errstate(invalid="ignore"):
-        return given | {"Box Offset": np.einsum("nij,nj->ni", normals, cases.centre.astype(np.float64))}
+        offset = np.einsum("nij,nj->ni", normals, cases.centre.astype(np.float64))
+    faces = {f"Face Normal {axis}": normals[:, k] for k, axis in enumerate("XYZ")}
+    return cases.inputs() | faces | {"Box Offset": offset}

@@ -27,10 +27,15 @@ def matrix(kind: str, rng: np.random.Generator, centre: tuple[float, float, floa
     return m
 
 
+def unit(v: np.ndarray) -> np.ndarray:
+    """Vectors (…, 3) of length 1; the zero vector stays zero."""
+    length = np.linalg.norm(v, axis=-1, keepdims=True)
+    return np.divide(v, length, out=np.zeros_like(v), where=length > 0)
+
+
 def directions(count: int, rng: np.random.Generator) -> np.ndarray:
     """(count, 3) unit vectors, uniform on the sphere."""
-    v = rng.normal(size=(count, 3))
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+    return unit(rng.normal(size=(count, 3)))
 
 
 def inside(m: np.ndarray, count: int, rng: np.random.Generator, reach: float = 0.999) -> np.ndarray:

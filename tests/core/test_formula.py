@@ -17,6 +17,7 @@ from pcc_addon.core.expression import vector
 from pcc_addon.core.probe import STEEPEST_FALLOFF, Box, ProbeSpec
 
 from . import boxes
+from .boxes import unit
 
 ORIENTED_BLACK = LookupEffects(Correction.ORIENTED_BOX, Outside.BLACK)
 ORIENTED = LookupEffects(Correction.ORIENTED_BOX, Outside.UNCORRECTED)
@@ -58,10 +59,6 @@ def mirrored(incoming: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Half a turn about the normal (Rodrigues), which takes the eye's direction to the reflected one."""
     parallel = np.einsum("...i,...i->...", incoming, normals)[..., None] * normals
     return parallel - (incoming - parallel)
-
-
-def unit(v: np.ndarray) -> np.ndarray:
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
 def exit_through_planes(m: np.ndarray, point: np.ndarray, ray: np.ndarray) -> float:

@@ -23,7 +23,7 @@ from pcc_addon.core import equirect
 from pcc_addon.core.cubemap import FACES, face_directions
 from pcc_addon.core.effects import Outside
 from pcc_addon.core.probe import Engine
-from sample_blends.scenes import add_camera
+from sample_blends.scenes import add_camera, emissive
 from tests.blender.helpers import pretend_bake, small_probe
 
 HALF = np.array([3.0, 2.0, 1.25])
@@ -269,12 +269,6 @@ def _geometry(output: str) -> Callable[[bpy.types.NodeTree], bpy.types.NodeSocke
 
 def _sensor(value: Callable[[bpy.types.NodeTree], bpy.types.NodeSocket]) -> bpy.types.Material:
     """A material that emits a value of its nodes."""
-    material = bpy.data.materials.new("Sensor")
-    if material.node_tree is None:
-        material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    emission, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(value(tree), emission.inputs["Color"])
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    material, emission = emissive("Sensor")
+    material.node_tree.links.new(value(material.node_tree), emission.inputs["Color"])
     return material

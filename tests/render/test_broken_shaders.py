@@ -16,6 +16,7 @@ from pcc_addon.blender.probes import bake_record
 from pcc_addon.cli import run_in_blender
 from pcc_addon.core import equirect
 from pcc_addon.core.cubemap import FACES, face_directions
+from sample_blends.scenes import emissive
 from tests.blender.helpers import ROOM, bake, picture, small_probe
 
 RESOLUTION = 32
@@ -32,13 +33,8 @@ def multiplied(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, factor: fl
 
 def emitter(towards: tuple[float, float, float], strength: float | str) -> None:
     """A small glowing cube `towards` from the probe; its strength a number, or "infinite" or "NaN" by its nodes."""
-    material = bpy.data.materials.new("Broken")
-    if material.node_tree is None:
-        material.use_nodes = True
+    material, emission = emissive("Broken")
     tree = material.node_tree
-    tree.nodes.clear()
-    emission, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
     if isinstance(strength, str):
         geometry = tree.nodes.new("ShaderNodeNewGeometry")  # not a constant, so that nothing is computed beforehand
         length = tree.nodes.new("ShaderNodeVectorMath")

@@ -8,9 +8,9 @@ import pytest
 from mathutils import Vector
 
 from benchmarks.measure import render
-from pcc_addon.blender import node_builder
-from pcc_addon.core.formula import off_poles, steepest_slope
+from pcc_addon.core.formula import steepest_slope
 from sample_blends.scenes import add_camera, empty_scene, principled
+from tests.poles import halves
 from tests.shader_harness import evaluate_group
 
 CASES = 2000
@@ -43,28 +43,7 @@ def test_near_a_pole_no_picture_however_large_shows_the_other(scene, height: int
     tilt[: CASES // 10] = 0.0
     side = rng.choice([-1.0, 1.0], CASES)
     directions = [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), side * np.cos(tilt)]
-    found = evaluate_group(_halves(height), {"Direction": np.stack(directions, -1), "Steepest": steepest_slope(height)})
-    np.testing.assert_allclose(found["Color"][:, 0], side > 0, rtol=0.0, atol=1e-6)
-
-
-def _halves(height: int) -> bpy.types.ShaderNodeTree:
-    """A group that reads a picture as a probe's group does."""
-    pixels = np.zeros((height, 2 * height, 4), np.float32)
-    pixels[height // 2 :] = 1.0
-    picture = bpy.data.images.new("Halves", 2 * height, height, is_data=True)
-    picture.pixels.foreach_set(pixels.ravel())
-    guard = bpy.data.node_groups.new("Guard", "ShaderNodeTree")
-    node_builder.emit(guard, off_poles())
-    tree = bpy.data.node_groups.new("Look", "ShaderNodeTree")
-    node_builder.declare_sockets(tree, "INPUT", {"Direction": "NodeSocketVector", "Steepest": "NodeSocketFloat"})
-    node_builder.declare_sockets(tree, "OUTPUT", {"Color": "NodeSocketColor"})
-    nodes, links = tree.nodes, tree.links
-    source, off, texture, sink = (
-        nodes.new(kind) for kind in ("NodeGroupInput", "ShaderNodeGroup", "ShaderNodeTexEnvironment", "NodeGroupOutput")
+    found = evaluate_group(
+        halves(height, guarded=True), {"Direction": np.stack(directions, -1), "Steepest": steepest_slope(height)}
     )
-    off.node_tree, texture.image = guard, picture
-    for name in ("Direction", "Steepest"):
-        links.new(source.outputs[name], off.inputs[name])
-    links.new(off.outputs["Direction"], texture.inputs["Vector"])
-    links.new(texture.outputs["Color"], sink.inputs["Color"])
-    return tree
+    np.testing.assert_allclose(found["Color"][:, 0], side > 0, rtol=0.0, atol=1e-6)
