@@ -9,7 +9,7 @@ from statistics import median
 import bpy
 import numpy as np
 
-from pcc_addon.blender import node_builder
+from pcc_addon.blender.shade import node_builder
 from pcc_addon.core.expression import Expr
 from sample_blends.scenes import emissive, empty_scene
 

@@ -15,7 +15,8 @@ import bpy
 import numpy as np
 
 import pcc_addon
-from pcc_addon.blender import compat, pictures
+from pcc_addon.blender import compat
+from pcc_addon.blender.store import pictures
 from pcc_addon.core.probe import Engine
 from pcc_addon.quiet import quiet_blender
 

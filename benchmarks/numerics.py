@@ -13,9 +13,9 @@ import numpy as np
 
 from benchmarks.lookup_time import node_count, relative_times
 from benchmarks.measure import ROOT, start, table, write_between
-from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, LookupEffects, Outside
-from pcc_addon.core.evaluate import evaluate
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.expression import Expr, Operation
 from pcc_addon.core.probe import Box, ProbeSpec
 from tests.conformance import variants

@@ -164,10 +164,10 @@ def _save(options: argparse.Namespace, voice: _Voice) -> None:
 def _bake(options: argparse.Namespace, voice: _Voice) -> int:
     import bpy
 
-    from .blender.job import BakeJob
-    from .blender.levels import bake_folder
-    from .blender.probes import all_probes, named_probes
+    from .blender.bake.job import BakeJob
+    from .blender.read.probes import all_probes, named_probes
     from .blender.status import stale_probes
+    from .blender.store.levels import bake_folder
 
     scene, view_layer = bpy.context.scene, bpy.context.view_layer
     probes = named_probes(scene, options.probe) if options.probe else all_probes(scene)
@@ -233,7 +233,7 @@ def _interruptible() -> Iterator[list[int]]:
 def _inject(options: argparse.Namespace, voice: _Voice) -> int:
     import bpy
 
-    from .blender.injection import inject
+    from .blender.shade.injection import inject
 
     report = inject(bpy.context.scene, bpy.context.view_layer)
     for material, probe in report.materials:
@@ -244,7 +244,7 @@ def _inject(options: argparse.Namespace, voice: _Voice) -> int:
 
 
 def _remove(options: argparse.Namespace, voice: _Voice) -> int:
-    from .blender.injection import remove
+    from .blender.shade.injection import remove
 
     for name in remove():
         voice.event("restored", f"material '{name}' restored", material=name)

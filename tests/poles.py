@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from pcc_addon.blender import node_builder
-from pcc_addon.core.formula import off_poles
+from pcc_addon.blender.shade import node_builder
+from pcc_addon.core.effects.lookup import off_poles
 
 
 def halves(height: int, guarded: bool) -> bpy.types.ShaderNodeTree:

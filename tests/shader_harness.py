@@ -16,8 +16,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from pcc_addon.blender import compat, node_builder, pictures
+from pcc_addon.blender import compat
 from pcc_addon.blender.overrides import temporary
+from pcc_addon.blender.shade import node_builder
+from pcc_addon.blender.store import pictures
 from pcc_addon.core.expression import Expr
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import emissive

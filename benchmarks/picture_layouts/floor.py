@@ -12,9 +12,10 @@ from benchmarks.measure import covered, relative_rmse, render
 from benchmarks.picture_layouts.layouts import Atlas, Equirectangular, GuardedEquirectangular, Layout, layouts_of
 from benchmarks.picture_layouts.radiances import atlas_of, captured_faces, fill, room
 from benchmarks.picture_layouts.shaders import group_node, image_of, lookup_of
-from pcc_addon.blender.capture import OVERSCAN
-from pcc_addon.core import equirect, formula
-from pcc_addon.core.effects import LookupEffects
+from pcc_addon.blender.bake.capture import OVERSCAN
+from pcc_addon.core import equirect
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import LookupEffects
 from pcc_addon.core.probe import Box, Engine
 from sample_blends.scenes import EMISSIVE_ROOM, emissive_room
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from pcc_addon.core import equirect
 from pcc_addon.core.cubemap import FACES
+from pcc_addon.core.effects.lookup import DIRECTION, off_poles, steepest_slope
 from pcc_addon.core.expression import (
     Expr,
     absolute,
@@ -20,7 +21,6 @@ from pcc_addon.core.expression import (
     multiply_add,
     sign,
 )
-from pcc_addon.core.formula import DIRECTION, off_poles, steepest_slope
 
 GUTTER = 4  # texels of real picture beyond each edge of the atlas's faces and of the octahedral square
 SEAM_REACH = 2.0  # texels: what counts as being at a seam

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from benchmarks.picture_layouts.layouts import GUTTER, Layout
-from pcc_addon.blender.capture import OVERSCAN
+from pcc_addon.blender.bake.capture import OVERSCAN
 from pcc_addon.core.cubemap import FACES, face_directions
 from sample_blends.scenes import EMISSIVE_COLORS, EMISSIVE_ROOM
 

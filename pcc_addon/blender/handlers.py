@@ -5,9 +5,9 @@ from __future__ import annotations
 import bpy
 
 from ..core.errors import PccError
-from . import groups
-from .levels import refresh_group
-from .probes import bake_record, probe_spec
+from .read.probes import bake_record, probe_spec
+from .shade import groups
+from .store.levels import refresh_group
 
 
 @bpy.app.handlers.persistent

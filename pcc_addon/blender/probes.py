@@ -1,4 +1,4 @@
-"""Probe objects: making them, finding them, reading them into records."""
+"""Making probe objects, and their lasting identity."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ import bpy
 import numpy as np
 from mathutils import Euler, Vector
 
-from ..core.effects import Outside
-from ..core.errors import PccError, ProbeError
-from ..core.probe import Box, Engine, ProbeSpec
-from ..core.sidecar import Sidecar
+from ..core.errors import ProbeError
+from .read.probes import bake_record
 
 _INFINITE = float(np.finfo(np.float32).max)  # an operator's properties turn infinity into this
 
@@ -45,79 +43,6 @@ def add_probe(
     probe.pcc_probe.capture_offset = capture_offset
     collection.objects.link(probe)
     return probe
-
-
-def all_probes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """The scene's own probes, by name; those linked from libraries show the bakes of their own files."""
-    return sorted((o for o in scene.objects if o.pcc_probe.is_probe and not o.library), key=lambda o: o.name)
-
-
-def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object]:
-    """The probes with these names.
-
-    Raises:
-        PccError: a name is not that of a probe in the scene.
-    """
-    known = {probe.name: probe for probe in all_probes(scene)}
-    for name in names:
-        if name not in known:
-            listing = ", ".join(f"'{k}'" for k in known) or "none"
-            raise PccError(f"no probe is called '{name}' in scene '{scene.name}'; its probes: {listing}")
-    return [known[name] for name in names]
-
-
-def hidden_objects(probe: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects that a probe's capture leaves out, by name."""
-    settings = probe.pcc_probe
-    found = {item.object.name: item.object for item in settings.hidden_objects if item.object}
-    if settings.hidden_collection:
-        found.update({o.name: o for o in settings.hidden_collection.all_objects})
-    return [found[name] for name in sorted(found)]
-
-
-def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
-    """The record of a probe, from its evaluated transform and its settings.
-
-    Raises:
-        ProbeError: its transform or settings cannot be baked.
-    """
-    settings = probe.pcc_probe
-    return ProbeSpec(
-        name=probe.name,
-        box=Box.from_matrix(probe.name, np.array(probe.matrix_world, np.float64)),
-        capture_offset=tuple(settings.capture_offset),
-        resolution=settings.resolution,
-        samples=settings.samples,
-        engine=Engine(settings.engine),
-        denoise=settings.denoise,
-        clip_start=settings.clip_start,
-        clip_end=settings.clip_end,
-        padding=settings.padding,
-        falloff=settings.falloff,
-        outside=Outside(settings.outside),
-        corrected=settings.correction == "BOX",
-        hidden=tuple(o.name for o in hidden_objects(probe)),
-        animated=_is_animated(probe),
-    )
-
-
-def _is_animated(item: bpy.types.Object | None) -> bool:
-    """Whether keyframes, drivers, constraints, a bone or the like may move an object, or one of its parents may."""
-    if item is None:
-        return False
-    data = item.animation_data
-    driven = data is not None and (data.action is not None or len(data.drivers) + len(data.nla_tracks) > 0)
-    return driven or len(item.constraints) > 0 or item.parent_type != "OBJECT" or _is_animated(item.parent)
-
-
-def bake_record(probe: bpy.types.Object) -> Sidecar | None:
-    """What the probe's pictures show, or None before its first bake.
-
-    Raises:
-        BakeError: the record is damaged or of a later version.
-    """
-    text = probe.pcc_probe.bake_record
-    return Sidecar.from_json(text, f"bake record of '{probe.name}'") if text else None
 
 
 def ensure_uid(probe: bpy.types.Object) -> str:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import bpy
 
-from ..core.effects import Outside
+from ..core.effects.records import Outside
 from ..core.errors import PccError
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Engine
 
 
 def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
     """Show a changed setting at once in the materials that show the probe."""
-    from .levels import refresh_group
+    from .store.levels import refresh_group
 
     try:
         refresh_group(settings.id_data)

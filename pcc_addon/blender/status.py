@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import bpy
 
 from ..core.errors import PccError
-from .fingerprint import SceneFingerprint
-from .levels import missing_files
-from .probes import all_probes, bake_record, probe_spec
+from .read.fingerprint import SceneFingerprint
+from .read.probes import all_probes, bake_record, probe_spec
+from .store.levels import missing_files
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from enum import Enum
 
 import numpy as np
 
-from .effects import Correction, LookupEffects, Outside
+from .effects.records import Correction, LookupEffects, Outside
 from .errors import ProbeError
 
 MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION = 16, 4096

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..blender import injection
-from ..blender.job import BakedProbe, BakeJob
-from ..blender.levels import bake_folder
-from ..blender.probes import add_probe, all_probes
+from ..blender.bake.job import BakedProbe, BakeJob
+from ..blender.probes import add_probe
+from ..blender.read.probes import all_probes
+from ..blender.shade import injection
 from ..blender.status import stale_probes
+from ..blender.store.levels import bake_folder
 from ..core.errors import Cancelled, PccError
 
 _SCOPE = bpy.props.EnumProperty(

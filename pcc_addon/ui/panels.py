@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..blender.probes import all_probes
+from ..blender.read.probes import all_probes
 
 
 class PCC_PT_probe(bpy.types.Panel):

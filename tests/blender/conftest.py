@@ -25,7 +25,7 @@ def probe(scene: bpy.types.Scene) -> bpy.types.Object:
 @pytest.fixture
 def renders(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The probe names of the faces that were rendered."""
-    from pcc_addon.blender.capture import Stage
+    from pcc_addon.blender.bake.capture import Stage
 
     seen: list[str] = []
     face = Stage.face

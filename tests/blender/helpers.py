@@ -8,10 +8,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from pcc_addon.blender.injection import InjectionReport, inject
-from pcc_addon.blender.job import BakedProbe, BakeJob
-from pcc_addon.blender.levels import bake_folder, store
-from pcc_addon.blender.probes import add_probe, ensure_uid, probe_spec
+from pcc_addon.blender.bake.job import BakedProbe, BakeJob
+from pcc_addon.blender.probes import add_probe, ensure_uid
+from pcc_addon.blender.read.probes import probe_spec
+from pcc_addon.blender.shade.injection import InjectionReport, inject
+from pcc_addon.blender.store.levels import bake_folder, store
 from pcc_addon.core.sidecar import Sidecar
 from sample_blends.scenes import Room, add_wall, principled, principled_node
 
@@ -74,7 +75,7 @@ def pretend_bake(probe: bpy.types.Object) -> None:
 
 def picture(probe: bpy.types.Object, roughness: float = 0.0) -> np.ndarray:
     """(h, 2h, 3): a level of a probe's bake."""
-    from pcc_addon.blender.pictures import read_pixels
+    from pcc_addon.blender.store.pictures import read_pixels
 
     level = next(level for level in probe.pcc_probe.levels if abs(level.roughness - roughness) < 1e-4)
     return read_pixels(level.image)

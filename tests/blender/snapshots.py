@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import bpy
 
-from pcc_addon.blender import groups
+from pcc_addon.blender import marks
 from tests.rna_dump import dump
 
 
 def of_the_user() -> dict[str, str]:
     """All materials, objects, textures and groups of the user's; and which node of each tree is active."""
     bpy.context.view_layer.update()
-    ours = [tree for tree in bpy.data.node_groups if groups.role(tree)]
+    ours = [tree for tree in bpy.data.node_groups if marks.role(tree)]
     ours += [image for image in bpy.data.images if image.name.startswith("PCC ")]
     kinds = ("materials", "objects", "meshes", "node_groups", "images", "actions", "texts")
     lines = {path: value for path, value in dump(kinds, ours).items() if "pcc_probe" not in path}
     lines["images.names"] = repr([i.name for i in bpy.data.images if i not in ours])
     belonging = ("None", "copy", "Surface")  # what goes with a material; lookups go with their probes
     lines["node_groups.names"] = repr(
-        [t.name for t in bpy.data.node_groups if str(groups.role(t)).startswith(belonging)]
+        [t.name for t in bpy.data.node_groups if str(marks.role(t)).startswith(belonging)]
     )
     for tree in [m.node_tree for m in bpy.data.materials if m.node_tree] + list(bpy.data.node_groups):
         if tree not in ours:
@@ -35,7 +35,7 @@ def settled() -> dict[str, str]:
 def material_lines(material: bpy.types.Material) -> dict[str, str]:
     """One material, and the groups that go with it."""
     goes_with_it = ("copy", "Surface")
-    ours = [tree for tree in bpy.data.node_groups if not str(groups.role(tree)).startswith(goes_with_it)]
+    ours = [tree for tree in bpy.data.node_groups if not str(marks.role(tree)).startswith(goes_with_it)]
     others = [m for m in bpy.data.materials if m != material]
     dump(("materials",), others)  # some properties come into being when they are first read
     lines = dump(("materials", "node_groups"), [*others, *ours])

@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 import pytest
 
-from pcc_addon.blender import pictures
-from pcc_addon.blender.capture import Stage
-from pcc_addon.blender.probes import bake_record
+from pcc_addon.blender.bake.capture import Stage
+from pcc_addon.blender.read.probes import bake_record
+from pcc_addon.blender.store import pictures
 from pcc_addon.core.errors import BakeError
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import bake, contents, paint_wall, picture, save, small_probe, small_room

@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
-from pcc_addon.blender import pictures
-from pcc_addon.blender.probes import bake_record
+from pcc_addon.blender.read.probes import bake_record
+from pcc_addon.blender.store import pictures
 from sample_blends.scenes import empty_scene, principled_node
 from tests.blender.helpers import ROOM, bake, contents, picture, pictures_of, save, small_probe, small_room
 

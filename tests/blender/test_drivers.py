@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
-from pcc_addon.blender import groups
-from pcc_addon.blender.probes import probe_spec
-from pcc_addon.core.effects import Correction, LookupEffects, Outside
+from pcc_addon.blender.read.probes import probe_spec
+from pcc_addon.blender.shade import groups
+from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from sample_blends.scenes import principled
 from tests.blender.helpers import pretend_bake, small_probe
 from tests.shader_harness import evaluate_group

@@ -8,13 +8,13 @@ import bpy
 import numpy as np
 import pytest
 
-from pcc_addon.blender import groups, node_builder
+from pcc_addon.blender.shade import groups, node_builder
 from pcc_addon.core import expression as ex
-from pcc_addon.core.effects import Correction, LookupEffects, Outside, SurfaceEffects
-from pcc_addon.core.evaluate import evaluate
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects.lookup import lookup
+from pcc_addon.core.effects.records import Correction, LookupEffects, Outside, SurfaceEffects
+from pcc_addon.core.effects.reflectance import dielectric_lobe, surface
 from pcc_addon.core.expression import Expr, Op, operation, scalar, vector
-from pcc_addon.core.formula import lookup
-from pcc_addon.core.reflectance import dielectric_lobe, surface
 from tests.core.boxes import directions
 from tests.shader_harness import evaluate_expressions, evaluate_group
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
-from pcc_addon.blender.probes import probe_spec
+from pcc_addon.blender.read.probes import probe_spec
 from pcc_addon.core import equirect
 from sample_blends.scenes import Room, add_wall
 from tests.blender.helpers import bake, glow, picture, small_probe

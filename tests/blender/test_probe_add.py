@@ -8,7 +8,7 @@ import bpy
 import pytest
 from mathutils import Euler, Matrix, Vector
 
-from pcc_addon.blender.probes import probe_spec
+from pcc_addon.blender.read.probes import probe_spec
 
 ARGUMENTS = {
     "name": "Hall",

@@ -8,9 +8,12 @@ import bpy
 import numpy as np
 import pytest
 
-from pcc_addon.blender import groups, injection, job, levels, twin
-from pcc_addon.blender.capture import Stage
-from pcc_addon.blender.job import BakeJob
+from pcc_addon.blender import marks
+from pcc_addon.blender.bake import job
+from pcc_addon.blender.bake.capture import Stage
+from pcc_addon.blender.bake.job import BakeJob
+from pcc_addon.blender.shade import injection, twin
+from pcc_addon.blender.store import levels
 from pcc_addon.core import equirect
 from pcc_addon.core.errors import BakeError
 from sample_blends.scenes import principled, principled_node
@@ -195,7 +198,7 @@ def test_an_object_deleted_between_steps_does_not_keep_the_rest_from_coming_back
 def test_unused_formula_groups_of_ours_are_gone_after_a_bake(probe) -> None:
     injection.remove()
     bake(probe)
-    assert [t.name for t in bpy.data.node_groups if str(groups.role(t)).startswith(("surface", "copy"))] == []
+    assert [t.name for t in bpy.data.node_groups if str(marks.role(t)).startswith(("surface", "copy"))] == []
 
 
 def test_the_picture_does_not_depend_on_settings_that_only_the_users_renders_concern(scene) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from pcc_addon.blender import groups, twin
-from pcc_addon.blender.injection import remove
+from pcc_addon.blender import marks
+from pcc_addon.blender.shade import twin
+from pcc_addon.blender.shade.injection import remove
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import put_in
 from tests.blender.materials import new, output_of, shiny, show, textured
@@ -53,7 +54,7 @@ def test_injecting_twice_is_injecting_once(probe, build) -> None:
 @pytest.mark.parametrize("build", RECEIVERS, ids=lambda f: f.__name__)
 def test_the_users_nodes_and_links_stay_while_a_probe_is_shown(probe, build) -> None:
     def own(tree: bpy.types.NodeTree) -> tuple[list[str], list[tuple[str, ...]]]:
-        nodes = [node.name for node in tree.nodes if not groups.role(node)]
+        nodes = [node.name for node in tree.nodes if not marks.role(node)]
         ends = [
             (e.from_node.name, e.from_socket.identifier, e.to_node.name, e.to_socket.identifier) for e in tree.links
         ]
@@ -65,7 +66,7 @@ def test_the_users_nodes_and_links_stay_while_a_probe_is_shown(probe, build) -> 
     put_in()
     assert own(material.node_tree) == before
     for engine in ("CYCLES", "EEVEE"):
-        assert groups.role(material.node_tree.get_output_node(engine)), f"{engine} shows no probe"
+        assert marks.role(material.node_tree.get_output_node(engine)), f"{engine} shows no probe"
 
 
 def test_a_material_that_left_the_room_is_restored_by_the_next_injection(probe) -> None:
@@ -99,7 +100,7 @@ def test_removing_copes_with_an_output_that_the_user_deleted(probe) -> None:
     put_in()
     material.node_tree.nodes.remove(output_of(material))
     remove()
-    assert not [n for n in material.node_tree.nodes if groups.role(n)]
+    assert not [n for n in material.node_tree.nodes if marks.role(n)]
 
 
 def test_a_copy_of_an_injected_material_is_restored_too(probe) -> None:
@@ -115,4 +116,4 @@ def test_a_copy_of_an_injected_material_is_restored_too(probe) -> None:
     for restored in (material, copy):
         assert {n.name for n in restored.node_tree.nodes} == before
         assert restored.node_tree.get_output_node("CYCLES") is not None
-    assert [t.name for t in bpy.data.node_groups if groups.role(t) == "copy"] == []
+    assert [t.name for t in bpy.data.node_groups if marks.role(t) == "copy"] == []

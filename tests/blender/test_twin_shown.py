@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 import pytest
 
-from pcc_addon.blender import groups, twin
-from pcc_addon.blender.injection import inject, remove
+from pcc_addon.blender import marks
+from pcc_addon.blender.shade import groups, twin
+from pcc_addon.blender.shade.injection import inject, remove
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import put_in
 from tests.blender.materials import glowing, link, new, shiny, show, subsurface
@@ -44,7 +45,7 @@ def test_a_material_of_several_objects_is_injected_once(probe) -> None:
     show(material, "First"), show(material, "Second")
     report = put_in()
     assert report.materials == ((material.name, probe.name),)
-    assert len([n for n in material.node_tree.nodes if groups.role(n) == "probe"]) == 1
+    assert len([n for n in material.node_tree.nodes if marks.role(n) == "probe"]) == 1
 
 
 def test_materials_far_from_every_probe_are_left_alone(probe) -> None:
@@ -103,7 +104,7 @@ def test_the_twin_copies_the_values_and_the_settings_of_a_surface(probe) -> None
     original.subsurface_method = "RANDOM_WALK_SKIN"
     show(material)
     put_in()
-    [copy] = [n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled" and groups.role(n)]
+    [copy] = [n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled" and marks.role(n)]
     assert copy.subsurface_method == "RANDOM_WALK_SKIN"
     assert copy.inputs["Subsurface Weight"].default_value == 0.5
     assert np.allclose(copy.inputs["Subsurface Radius"].default_value, (1.0, 0.2, 0.1))

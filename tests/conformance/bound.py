@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pcc_addon.core.effects import Correction
-from pcc_addon.core.formula import ON_WALL
+from pcc_addon.core.effects.lookup import ON_WALL
+from pcc_addon.core.effects.records import Correction
 
 from .cases import Cases
 from .reference import Exact, angle

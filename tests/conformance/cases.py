@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from pcc_addon.core.effects import Correction
+from pcc_addon.core.effects.records import Correction
 from tests.core.boxes import unit
 
 

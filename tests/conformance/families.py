@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pcc_addon.core.effects import Correction
+from pcc_addon.core.effects.records import Correction
 from tests.core.boxes import directions, unit
 
 from .cases import Cases

@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from pcc_addon.core.effects import Correction
+from pcc_addon.core.effects.records import Correction
 from pcc_addon.core.expression import Expr, absolute, dot, normalize, vector
 from pcc_addon.core.probe import Engine
 from tests.shader_harness import evaluate_expressions

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, LookupEffects
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import Correction, LookupEffects
 from tests.shader_harness import evaluate_expressions
 
 from . import variants

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, LookupEffects, Outside
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.probe import STEEPEST_FALLOFF
 from tests.core.boxes import unit
 

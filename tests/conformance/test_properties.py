@@ -8,9 +8,9 @@ import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, LookupEffects
-from pcc_addon.core.evaluate import evaluate
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import Correction, LookupEffects
 from tests.core.boxes import unit
 
 from .cases import Cases

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, LookupEffects
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import Correction, LookupEffects
 from pcc_addon.core.expression import (
     Expr,
     absolute,

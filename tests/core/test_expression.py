@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pcc_addon.core import expression as ex
-from pcc_addon.core.evaluate import evaluate
+from pcc_addon.core.backends.arrays import evaluate
 
 A, B = ex.scalar("a"), ex.scalar("b")
 U, V = ex.vector("u"), ex.vector("v")

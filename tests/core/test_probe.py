@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, LookupEffects, Outside
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.errors import PccError, ProbeError
-from pcc_addon.core.evaluate import evaluate
 from pcc_addon.core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Box, ProbeSpec
 
 from . import boxes

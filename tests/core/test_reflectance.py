@@ -8,16 +8,16 @@ import mpmath
 import numpy as np
 import pytest
 
-from pcc_addon.core.effects import DielectricLobe, SurfaceEffects
-from pcc_addon.core.evaluate import evaluate
-from pcc_addon.core.ggx import directional_averages
-from pcc_addon.core.reflectance import (
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects.records import DielectricLobe, SurfaceEffects
+from pcc_addon.core.effects.reflectance import (
     dielectric_lobe,
     f0_from_ior,
     fresnel_dielectric,
     ior_from_f0,
     surface,
 )
+from pcc_addon.core.ggx import directional_averages
 
 COSINES = np.concatenate([[0.0, 1e-6, 0.001], np.linspace(0.02, 1.0, 29)])
 WHITE = (1.0, 1.0, 1.0)

@@ -17,11 +17,11 @@ import numpy as np
 from mathutils import Euler, Matrix, Vector
 
 from benchmarks.measure import render
-from pcc_addon.blender.levels import store
-from pcc_addon.blender.probes import bake_record
+from pcc_addon.blender.read.probes import bake_record
+from pcc_addon.blender.store.levels import store
 from pcc_addon.core import equirect
 from pcc_addon.core.cubemap import FACES, face_directions
-from pcc_addon.core.effects import Outside
+from pcc_addon.core.effects.records import Outside
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import add_camera, emissive
 from tests.blender.helpers import pretend_bake, small_probe

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from pcc_addon.blender.job import BakedProbe
-from pcc_addon.blender.probes import bake_record
+from pcc_addon.blender.bake.job import BakedProbe
+from pcc_addon.blender.read.probes import bake_record
 from pcc_addon.cli import run_in_blender
 from pcc_addon.core import equirect
 from pcc_addon.core.cubemap import FACES, face_directions

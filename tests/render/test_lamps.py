@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from pcc_addon.blender import pictures
+from pcc_addon.blender.store import pictures
 from pcc_addon.core import equirect
 from sample_blends.scenes import empty_scene
 

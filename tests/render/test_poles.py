@@ -8,7 +8,7 @@ import pytest
 from mathutils import Vector
 
 from benchmarks.measure import render
-from pcc_addon.core.formula import steepest_slope
+from pcc_addon.core.effects.lookup import steepest_slope
 from sample_blends.scenes import add_camera, empty_scene, principled
 from tests.poles import halves
 from tests.shader_harness import evaluate_group

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from pcc_addon.blender import pictures
-from pcc_addon.core.effects import Outside
+from pcc_addon.blender.store import pictures
+from pcc_addon.core.effects.records import Outside
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import principled, principled_node
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pcc_addon.core.effects import Correction
+from pcc_addon.core.effects.records import Correction
 from tests.conformance.bound import direction_bound
 from tests.conformance.cases import Cases
 from tests.conformance.families import FAMILIES, Family

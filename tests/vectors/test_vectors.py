@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pcc_addon.core import formula
-from pcc_addon.core.effects import Correction, LookupEffects
-from pcc_addon.core.evaluate import evaluate
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects import lookup as formula
+from pcc_addon.core.effects.records import Correction, LookupEffects
 from tests.conformance.reference import angle
 
 from . import make

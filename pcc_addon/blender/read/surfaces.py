@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..core.effects import SurfaceEffects
-from ..core.reflectance import dielectric_lobe
-from . import compat, groups
+from ...core.effects.records import SurfaceEffects
+from ...core.effects.reflectance import dielectric_lobe
+from .. import compat, marks
 
 ROUGHNESS_DIGITS = 4  # a level's roughness is told apart to this many digits
 _LOBES_NOT_HANDLED = {
@@ -63,8 +63,8 @@ def constant(socket: bpy.types.NodeSocket, scope: Scope) -> float | tuple[float,
 def outputs(material: bpy.types.Material) -> list[bpy.types.ShaderNodeOutputMaterial]:
     """The user's output nodes that engines read, without our own: one for both, or Cycles' and then EEVEE's."""
     nodes = material.node_tree.nodes
-    own = [n for n in nodes if n.bl_idname == "ShaderNodeOutputMaterial" and not groups.role(n)]
-    twinned = {n.get("pcc_twin_of") for n in nodes if groups.role(n)}
+    own = [n for n in nodes if n.bl_idname == "ShaderNodeOutputMaterial" and not marks.role(n)]
+    twinned = {n.get("pcc_twin_of") for n in nodes if marks.role(n)}
     chosen = []
     for engine in ("CYCLES", "EEVEE"):
         # As Blender chooses: one for this engine before one for all, then the active one, then the first.

@@ -11,11 +11,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core import sidecar
-from ..core.errors import BakeError
-from ..core.prefilter import prefilter
-from . import groups, pictures
-from .probes import bake_record, probe_spec
+from ...core import sidecar
+from ...core.errors import BakeError
+from ...core.prefilter import prefilter
+from ..read.probes import bake_record, probe_spec
+from ..shade import groups
+from . import pictures
 
 
 def bake_folder(scene: bpy.types.Scene, blend: str | None = None) -> Path | None:

@@ -14,8 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from .effects import DielectricLobe, SurfaceEffects
-from .expression import (
+from ..expression import (
     Expr,
     clamp,
     dot,
@@ -29,8 +28,9 @@ from .expression import (
     sqrt,
     vector,
 )
-from .formula import INCOMING, NORMAL
-from .ggx import directional_averages, hemispherical_average
+from ..ggx import directional_averages, hemispherical_average
+from .lookup import INCOMING, NORMAL
+from .records import DielectricLobe, SurfaceEffects
 
 RADIANCE = vector("Radiance")
 BASE_COLOR = vector("Base Color")

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..core.errors import PccError, ProbeError
-from ..core.probe import ProbeSpec
+from ...core.errors import PccError, ProbeError
+from ...core.probe import ProbeSpec
+from ..read.probes import all_probes, bake_record, probe_spec
+from ..read.receivers import Survey, survey
+from ..store.levels import bake_folder, ensure_levels, refresh_group
 from . import groups, twin
-from .levels import bake_folder, ensure_levels, refresh_group
-from .probes import all_probes, bake_record, probe_spec
-from .receivers import Survey, survey
 
 
 @dataclass(frozen=True)

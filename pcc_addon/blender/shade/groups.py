@@ -7,15 +7,16 @@ from collections.abc import Callable, Mapping
 
 import bpy
 
-from ..core.effects import LookupEffects, Outside, SurfaceEffects
-from ..core.expression import Expr
-from ..core.formula import lookup, off_poles, steepest_slope
-from ..core.probe import ProbeSpec
-from ..core.reflectance import surface
+from ...core.effects.lookup import lookup, off_poles, steepest_slope
+from ...core.effects.records import LookupEffects, Outside, SurfaceEffects
+from ...core.effects.reflectance import surface
+from ...core.expression import Expr
+from ...core.probe import ProbeSpec
+from ..marks import role, tag
 from . import node_builder
 
 VERSION = 2
-_TAG, _VERSION = "pcc", "pcc_version"  # custom properties of groups and nodes that are ours
+_VERSION = "pcc_version"
 _BUILT_FOR = "pcc_built_for"  # the matrix of the probe when its group was built
 _LOOKUP, _SURFACE, _GUARD = "Lookup, ", "Surface, ", "Off Poles"
 
@@ -45,16 +46,6 @@ _DRIVEN = {
 # Blender 5.x turns driven values between 0 and 1e-4 into 0, so the drivers give multiples that a node divides again;
 # powers of two change no digit.
 _DRIVER_SCALE = 2.0**60
-
-
-def tag(item: bpy.types.ID | bpy.types.Node, role: str) -> None:
-    """Mark a group or node as made by the add-on."""
-    item[_TAG] = role
-
-
-def role(item: bpy.types.ID | bpy.types.Node) -> str | None:
-    """The role that `tag` gave, or None for the user's own."""
-    return item.get(_TAG)
 
 
 def lookup_group(effects: LookupEffects) -> bpy.types.ShaderNodeTree:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .expression import Constant, Expr, Input, Op, Operation
+from ..expression import Constant, Expr, Input, Op, Operation
 
 
 def _divide(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..core.effects import SurfaceEffects
+from ...core.effects.records import SurfaceEffects
+from .. import marks
+from ..read.surfaces import Scope, constant, group_output, leaf_effects, outputs, source
 from . import groups
-from .surfaces import Scope, constant, group_output, leaf_effects, outputs, source
 
 _TWIN_OF = "pcc_twin_of"
 _TARGET = "pcc_target"
@@ -68,7 +69,7 @@ def add_twins(material: bpy.types.Material, reflection: Reflection) -> None:
 def remove_twins(material: bpy.types.Material) -> bool:
     """Remove every twin of `material` and what belongs to it; True where there was one."""
     tree = material.node_tree
-    own = [n for n in tree.nodes if groups.role(n)] if tree else []
+    own = [n for n in tree.nodes if marks.role(n)] if tree else []
     if not own:
         return False
     originals = [(tree.nodes.get(n[_TWIN_OF]), n.get(_TARGET), n.get(_ACTIVE, True)) for n in own if _TWIN_OF in n]
@@ -110,18 +111,18 @@ def outputs_in_use(probe_group: bpy.types.ShaderNodeTree) -> set[str]:
 def _nodes_with_role(tree: bpy.types.ShaderNodeTree | None, wanted: str) -> list[bpy.types.Node]:
     found = []
     for node in tree.nodes if tree else ():
-        if groups.role(node) == wanted:
+        if marks.role(node) == wanted:
             found.append(node)
-        elif groups.role(node) and node.bl_idname == "ShaderNodeGroup" and groups.role(node.node_tree) == "copy":
+        elif marks.role(node) and node.bl_idname == "ShaderNodeGroup" and marks.role(node.node_tree) == "copy":
             found += _nodes_with_role(node.node_tree, wanted)
     return found
 
 
 def _remove_copy(tree: bpy.types.ShaderNodeTree) -> None:
     """Remove a copied group and the copies inside it; shared groups of ours stay."""
-    if groups.role(tree) != "copy":
+    if marks.role(tree) != "copy":
         return
-    inner = {n.node_tree for n in tree.nodes if groups.role(n) and n.bl_idname == "ShaderNodeGroup"}
+    inner = {n.node_tree for n in tree.nodes if marks.role(n) and n.bl_idname == "ShaderNodeGroup"}
     bpy.data.node_groups.remove(tree)
     for copy in inner:
         if copy is not None:
@@ -177,7 +178,7 @@ class _Builder:
         """A node of ours, drawn below `beside`."""
         node = self.tree.nodes.new(kind)
         node.select = False
-        groups.tag(node, "twin")
+        marks.tag(node, "twin")
         place = beside.location_absolute if hasattr(beside, "location_absolute") else beside.location
         node.location = (place.x + right, place.y + _DROP - down)
         return node
@@ -232,7 +233,7 @@ class _Builder:
         inside = self.scope.inside(node)
         tree = node.node_tree.copy()
         tree.name = f"PCC {node.node_tree.name}, {self.material}"
-        groups.tag(tree, "copy")
+        marks.tag(tree, "copy")
         sink = group_output(tree)
         if sink is None:
             return tree
@@ -271,11 +272,11 @@ class _Builder:
         probe = self.new("ShaderNodeGroup", node, right=-440.0)
         probe.node_tree = self.reflection.probe_group
         probe.name, probe.label = f"PCC Probe of {node.name}", "Parallax Probe"
-        groups.tag(probe, _PROBE)
+        marks.tag(probe, _PROBE)
         links.new(normal, probe.inputs["Normal"])
         links.new(probe.outputs[groups.level_output(effects.roughness)], lit.inputs["Radiance"])
         glow = self.new("ShaderNodeEmission", node, right=280.0, down=160.0)
-        groups.tag(glow, _GLOW)
+        marks.tag(glow, _GLOW)
         links.new(lit.outputs["Reflection"], glow.inputs["Color"])
         self._feed(node.inputs["Alpha"], glow.inputs["Strength"])
         total = self.new("ShaderNodeAddShader", node, right=480.0)

@@ -8,9 +8,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core.errors import BakeError
-from . import compat
-from .overrides import temporary
+from ...core.errors import BakeError
+from .. import compat
+from ..overrides import temporary
 
 
 def read_pixels(image: bpy.types.Image) -> np.ndarray:

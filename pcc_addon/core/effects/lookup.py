@@ -12,8 +12,7 @@ from __future__ import annotations
 
 import math
 
-from .effects import Correction, LookupEffects, Outside
-from .expression import (
+from ..expression import (
     Expr,
     Op,
     absolute,
@@ -33,6 +32,7 @@ from .expression import (
     sign,
     vector,
 )
+from .records import Correction, LookupEffects, Outside
 
 # Metres; a point nearer to a wall than this is on it. Below the spacing of float32 in any box larger than 0.1 mm, and
 # its reciprocal times any distance up to 10⁷ m can still be squared.

@@ -10,12 +10,14 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ..core.cubemap import FACES
-from ..core.errors import BakeError, Cancelled
-from ..core.probe import Engine, ProbeSpec
-from . import compat, lamps, pictures
-from .overrides import override, temporary
-from .scene import rendered_objects
+from ...core.cubemap import FACES
+from ...core.errors import BakeError, Cancelled
+from ...core.probe import Engine, ProbeSpec
+from .. import compat
+from ..overrides import override, temporary
+from ..read.scene import rendered_objects
+from ..store import pictures
+from . import lamps
 
 OVERSCAN = 8  # pixels on each side, so that denoising and filtering at an edge have real neighbours
 _SENSOR = 36.0

@@ -11,19 +11,22 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core import equirect, radiance
-from ..core.cubemap import FACES
-from ..core.errors import Cancelled, PccError
-from ..core.prefilter import prefilter
-from ..core.probe import Engine, ProbeSpec
-from ..core.sidecar import Sidecar
-from ..version import ADDON_VERSION
-from . import groups, levels, scene, surfaces, twin
+from ...core import equirect, radiance
+from ...core.cubemap import FACES
+from ...core.errors import Cancelled, PccError
+from ...core.prefilter import prefilter
+from ...core.probe import Engine, ProbeSpec
+from ...core.sidecar import Sidecar
+from ...version import ADDON_VERSION
+from ..overrides import override
+from ..probes import ensure_uid
+from ..read import scene, surfaces
+from ..read.fingerprint import SceneFingerprint
+from ..read.probes import all_probes, probe_spec
+from ..read.receivers import survey
+from ..shade import groups, twin
+from ..store import levels
 from .capture import OVERSCAN, Stage
-from .fingerprint import SceneFingerprint
-from .overrides import override
-from .probes import all_probes, ensure_uid, probe_spec
-from .receivers import survey
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 import bpy
 from mathutils import Matrix, Vector
 
-from .overrides import temporary
+from ..overrides import temporary
 
 _SEGMENTS = 48
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..core.effects import SurfaceEffects
-from ..core.probe import ProbeSpec
+from ...core.effects.records import SurfaceEffects
+from ...core.probe import ProbeSpec
 from . import surfaces
 from .scene import surfaces as scene_surfaces
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import bpy
 
-from ..core.expression import Constant, Expr, Input, Op, Operation
+from ...core.expression import Constant, Expr, Input, Op, Operation
 
 _MATH = {
     Op.ADD: "ADD",

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import groups
+from .. import marks
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
@@ -55,7 +55,7 @@ def _images(tree: bpy.types.NodeTree, seen: set[str]) -> set[bpy.types.Image]:
     seen.add(tree.name_full)
     found = set()
     for node in tree.nodes:
-        if groups.role(node):
+        if marks.role(node):
             continue
         if getattr(node, "image", None):
             found.add(node.image)

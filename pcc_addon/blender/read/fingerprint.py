@@ -9,8 +9,8 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core.probe import ProbeSpec
-from . import groups
+from ...core.probe import ProbeSpec
+from .. import marks
 from .scene import rendered_objects
 
 _OBJECT_FLAGS = ("visible_glossy", "visible_diffuse", "visible_transmission", "visible_shadow", "is_shadow_catcher")
@@ -128,7 +128,7 @@ def _node_tree(tree: bpy.types.NodeTree | None, seen: set[str]) -> list[str]:
     seen.add(tree.name_full)
     lines = []
     for node in tree.nodes:
-        if groups.role(node):
+        if marks.role(node):
             continue
         lines.append(f"node {node.name} {node.bl_idname}")
         lines += _properties(node, (_NODE_BOOKKEEPING | {"is_active_output", "target"}) - {"mute"})
@@ -139,7 +139,7 @@ def _node_tree(tree: bpy.types.NodeTree | None, seen: set[str]) -> list[str]:
     lines += [
         f"link {link.from_node.name}.{link.from_socket.identifier} {link.to_node.name}.{link.to_socket.identifier}"
         for link in tree.links
-        if not groups.role(link.from_node) and not groups.role(link.to_node)
+        if not marks.role(link.from_node) and not marks.role(link.to_node)
     ]
     return lines
 

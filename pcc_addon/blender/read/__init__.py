@@ -1,0 +1,1 @@
+"""Reads the scene into plain data; writes nothing."""

@@ -1,0 +1,1 @@
+"""Writes node groups and twins, as the plan says."""

@@ -1,0 +1,1 @@
+"""Pictures and records on disk and in the file."""

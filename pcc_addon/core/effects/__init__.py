@@ -1,0 +1,1 @@
+"""What shaders may compute, one file an effect."""
