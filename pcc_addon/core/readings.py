@@ -1,0 +1,128 @@
+"""What is there: a scene as plain data, read once, from which everything is decided.
+
+A value that is the same all over a surface is a number or a tuple of numbers; one that varies (a texture, an attribute,
+an animated value) is None.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .probe import ProbeSpec
+
+Value = float | tuple[float, ...] | None
+
+
+@dataclass(frozen=True)
+class SurfaceReading:
+    """One BSDF of a material.
+
+    Attributes:
+        path: names of the group nodes that lead to it from the material's tree, then its own node's.
+        kind: its node's type, such as "ShaderNodeBsdfPrincipled".
+        inputs: its inputs by name, each constant or None where it varies.
+        distribution: of its microfacets, such as "MULTI_GGX"; empty where it has none.
+    """
+
+    path: tuple[str, ...]
+    kind: str
+    inputs: tuple[tuple[str, Value], ...]
+    distribution: str = ""
+
+    def has(self, name: str) -> bool:
+        return any(known == name for known, _ in self.inputs)
+
+    def value(self, name: str) -> Value:
+        """The input's constant value, or None where it varies.
+
+        Raises:
+            KeyError: there is no such input.
+        """
+        for known, value in self.inputs:
+            if known == name:
+                return value
+        raise KeyError(name)
+
+    def scalar(self, name: str) -> float | None:
+        """`value` of an input that is one number."""
+        value = self.value(name)
+        return float(value) if isinstance(value, (int, float)) else None
+
+    def color(self, name: str) -> tuple[float, float, float] | None:
+        """`value` of an input that is a colour, without alpha."""
+        value = self.value(name)
+        return (value[0], value[1], value[2]) if isinstance(value, tuple) else None
+
+
+@dataclass(frozen=True)
+class MaterialReading:
+    """One material.
+
+    Attributes:
+        name: unique in the file (with its library).
+        surfaces: the BSDFs that reach an output in force, each once.
+        obstacles: why the material as a whole must be left as it is, in words that follow its name; empty: nothing.
+        textures: how many image textures the user's own nodes read (EEVEE has 32 samplers for a material).
+        shown: names of the probes that it shows now.
+    """
+
+    name: str
+    surfaces: tuple[SurfaceReading, ...] = ()
+    obstacles: tuple[str, ...] = ()
+    textures: int = 0
+    shown: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class PlacementReading:
+    """One appearance of an object (or instance) in the scene.
+
+    Attributes:
+        object: the object's name.
+        materials: names of those that it shows, those that modifiers and geometry nodes assign included.
+        corners: (8, 3) float64, world space, metres: its bounding box.
+    """
+
+    object: str
+    materials: tuple[str, ...]
+    corners: np.ndarray
+
+
+@dataclass(frozen=True)
+class ProbeReading:
+    """One probe.
+
+    Attributes:
+        name: the object's.
+        spec: its settings, or None where they are faulty.
+        fault: what is wrong with it, a sentence that names it; empty: nothing.
+        captured_at: where its pictures were taken, world space, metres; None before its first bake.
+    """
+
+    name: str
+    spec: ProbeSpec | None
+    fault: str = ""
+    captured_at: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class SceneReading:
+    """One scene, as a render of one view layer shows it.
+
+    Attributes:
+        name: the scene's.
+        probes, materials, placements: by name; placements in the order of the render.
+        roughness_limit: rougher surfaces keep their own lobe.
+        cameras: names of the cameras.
+        animated: names of objects and materials that animation, drivers or constraints may change.
+    """
+
+    name: str
+    probes: tuple[ProbeReading, ...] = ()
+    materials: tuple[MaterialReading, ...] = ()
+    placements: tuple[PlacementReading, ...] = ()
+    roughness_limit: float = 0.6
+    cameras: tuple[str, ...] = ()
+    animated: frozenset[str] = field(default=frozenset())
