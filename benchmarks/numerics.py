@@ -106,7 +106,7 @@ def _guard_rows() -> list[list[str]]:
         looked_up = CASES * sum(c in variant.corrections for family in finite for c in family.corrections)
         rows.append([variant.name, f"{wrong:,} of {looked_up:,} lookups", *_price(shipped, without)])
     direction = variants.full(Correction.TURNED_BOX)
-    guarded = {"Direction": _substituted(formula.off_poles()["Direction"], direction)}
+    guarded = {"Direction": _substituted(formula.OFF_POLES.outputs["Direction"], direction)}
     rows.append(["half a texel off the poles", _poles(), *_price(guarded, {"Direction": direction})])
     rows.append(["padding widened by what float32 resolves", _widening(), "0", "1"])
     rows.append(["falloff of a nanometre for none", _no_falloff(), "0", "1"])

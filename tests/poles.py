@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from pcc_addon.blender.shade import node_builder
-from pcc_addon.core.effects.lookup import off_poles
+from pcc_addon.core.effects.lookup import OFF_POLES
 
 
 def halves(height: int, guarded: bool) -> bpy.types.ShaderNodeTree:
@@ -32,7 +32,7 @@ def halves(height: int, guarded: bool) -> bpy.types.ShaderNodeTree:
     direction = source.outputs["Direction"]
     if guarded:
         guard = bpy.data.node_groups.new("Guard", "ShaderNodeTree")
-        node_builder.emit(guard, off_poles())
+        node_builder.emit(guard, OFF_POLES.outputs)
         off = nodes.new("ShaderNodeGroup")
         off.node_tree = guard
         for name in inputs:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pcc_addon.core import equirect
 from pcc_addon.core.cubemap import FACES
-from pcc_addon.core.effects.lookup import DIRECTION, off_poles, steepest_slope
+from pcc_addon.core.effects.lookup import DIRECTION, OFF_POLES, steepest_slope
 from pcc_addon.core.expression import (
     Expr,
     absolute,
@@ -85,7 +85,7 @@ class GuardedEquirectangular(Equirectangular):
     label = "equirectangular, poles guarded"
 
     def coordinates(self) -> Expr:
-        return off_poles()["Direction"]
+        return OFF_POLES.outputs["Direction"]
 
     def constants(self) -> dict[str, float]:
         return {"Steepest": steepest_slope(self.size[1])}

@@ -45,3 +45,15 @@ def set_float_exr(settings: bpy.types.ImageFormatSettings) -> Callable[[], None]
 def uses_nodes(material: bpy.types.Material) -> bool:
     """Whether a material is made of nodes (from 5.0 on every one is)."""
     return material.node_tree is not None and (bpy.app.version >= (5, 0) or material.use_nodes)
+
+
+def animated_paths(item: bpy.types.ID) -> set[str]:
+    """The data paths of an ID that its own keyframes and drivers change."""
+    data = item.animation_data
+    if data is None:
+        return set()
+    curves = [*data.drivers]
+    for layer in data.action.layers if data.action else ():
+        for strip in layer.strips:
+            curves += [curve for bag in strip.channelbags for curve in bag.fcurves]
+    return {curve.data_path for curve in curves}

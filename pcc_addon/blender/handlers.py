@@ -6,8 +6,7 @@ import bpy
 
 from ..core.errors import PccError
 from .read.probes import bake_record, probe_spec
-from .shade import groups
-from .store.levels import refresh_group
+from .shade import probe_group
 
 
 @bpy.app.handlers.persistent
@@ -23,17 +22,17 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
             continue
         if not probe.pcc_probe.is_probe or probe.library or probe.pcc_probe.group is None:
             continue
-        if not groups.was_moved(probe):
+        if not probe_group.was_moved(probe):
             continue
         try:
             record, spec = bake_record(probe), probe_spec(probe)
             if record is None:
                 continue
             needed = spec.effects(all_inside=False, captured_at=record.capture_point)
-            if groups.shown_effects(probe.pcc_probe.group) != needed.label:
-                refresh_group(probe)
+            if probe_group.shown_effects(probe.pcc_probe.group) != needed.label:
+                probe_group.refresh_group(probe)
             else:
-                groups.set_padding(probe.pcc_probe.group, spec.influence_padding)
+                probe_group.set_padding(probe.pcc_probe.group, spec.influence_padding)
         except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
             continue
 

@@ -11,7 +11,7 @@ from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Engine
 
 def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
     """Show a changed setting at once in the materials that show the probe."""
-    from .store.levels import refresh_group
+    from .shade.probe_group import refresh_group
 
     try:
         refresh_group(settings.id_data)

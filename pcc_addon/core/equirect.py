@@ -45,7 +45,7 @@ def from_faces(faces: Sequence[np.ndarray], overscan: int, rows_at_once: int = 6
 
 
 def lookup(picture: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Bilinear lookup: (..., channels) for vectors (..., 3). Rows end at the poles (see `formula.off_poles`)."""
+    """Bilinear lookup: (..., channels) for vectors (..., 3). Rows end at the poles (see `effects.lookup.OFF_POLES`)."""
     height, width = picture.shape[:2]
     u, v = coordinates(vectors)
     column, row = u * width - 0.5, v * height - 0.5

@@ -2,11 +2,12 @@
 
 An expression is a scalar (width 1) or a vector (width 3). Where a scalar meets a vector it stands for
 all three components. The operations are those that Blender's Math and Vector Math nodes offer, with their
-meaning; in particular x / 0 is 0.
+meaning; in particular x / 0 is 0. A `Sample` reads a picture; a `Call` applies another formula.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
 from functools import cached_property
@@ -114,6 +115,114 @@ class Operation(Expr):
         if self.op in _TO_VECTOR:
             return 3
         return max(argument.width for argument in self.args)
+
+
+@dataclass(frozen=True, eq=False)
+class Sample(Expr):
+    """The radiance of an equirectangular picture along a world-space direction of any length but 0."""
+
+    picture: str
+    direction: Expr
+    width: int = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Section(Expr):
+    """An expression under a heading, for those who read the formula as nodes or text; its value is the same."""
+
+    title: str
+    content: Expr
+
+    @property
+    def width(self) -> int:
+        return self.content.width
+
+
+@dataclass(frozen=True, eq=False)
+class Formula:
+    """Named expressions of the same inputs: a node group, or a function.
+
+    Attributes:
+        title: its name, which differs from that of every other formula.
+        outputs: expressions by name.
+    """
+
+    title: str
+    outputs: Mapping[str, Expr]
+
+    @cached_property
+    def inputs(self) -> dict[str, Input]:
+        """The inputs that its outputs read, by name, in the order of their first use; those of called ones included."""
+        found: dict[str, Input] = {}
+        for part in self.parts():
+            if isinstance(part, Input):
+                found.setdefault(part.name, part)
+        return found
+
+    @cached_property
+    def pictures(self) -> tuple[str, ...]:
+        """The names of the pictures that it samples itself."""
+        return tuple(dict.fromkeys(part.picture for part in self.parts() if isinstance(part, Sample)))
+
+    def parts(self) -> Iterator[Expr]:
+        """Its expressions and all that they are made of, each once, arguments first; not the insides of calls."""
+        seen: set[int] = set()
+        for expr in self.outputs.values():
+            yield from _parts(expr, seen)
+
+    def __call__(self, **arguments: Operand) -> Calls:
+        """Its outputs where inputs are given other expressions; underscores stand for spaces.
+
+        Inputs that are not given are passed on under their own names.
+
+        Raises:
+            TypeError: it has no such input.
+        """
+        given = {name.replace("_", " "): lift(value) for name, value in arguments.items()}
+        unknown = given.keys() - self.inputs.keys()
+        if unknown:
+            raise TypeError(f"formula '{self.title}' has no input {sorted(unknown)}")
+        return Calls(self, tuple(given.get(name, part) for name, part in self.inputs.items()))
+
+
+@dataclass(frozen=True, eq=False)
+class Calls:
+    """A formula applied to arguments, in the order of its inputs; one call however many outputs are taken."""
+
+    formula: Formula
+    arguments: tuple[Expr, ...]
+
+    def __getitem__(self, output: str) -> Call:
+        return Call(self, output, self.formula.outputs[output].width)
+
+
+@dataclass(frozen=True, eq=False)
+class Call(Expr):
+    """One output of a formula applied to arguments."""
+
+    calls: Calls
+    output: str
+    width: int
+
+
+def arguments_of(expr: Expr) -> tuple[Expr, ...]:
+    """The expressions that one is made of directly."""
+    if isinstance(expr, Operation):
+        return expr.args
+    if isinstance(expr, Sample):
+        return (expr.direction,)
+    if isinstance(expr, Section):
+        return (expr.content,)
+    return expr.calls.arguments if isinstance(expr, Call) else ()
+
+
+def _parts(expr: Expr, seen: set[int]) -> Iterator[Expr]:
+    if id(expr) in seen:
+        return
+    seen.add(id(expr))
+    for argument in arguments_of(expr):
+        yield from _parts(argument, seen)
+    yield expr
 
 
 Operand = Expr | float | tuple

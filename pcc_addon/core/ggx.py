@@ -37,6 +37,27 @@ def _visible_normals(view_cosine: float, alpha: float, grid: int) -> np.ndarray:
     return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
 
+def lobe_samples(cosine: float, roughness: float, grid: int = 96) -> tuple[np.ndarray, np.ndarray]:
+    """Microfacets as a view sees them, each as likely as any other.
+
+    Args:
+        cosine: between view and normal, in (0, 1].
+        roughness: above 0.
+        grid: samples on each side.
+
+    Returns:
+        (grid²,) float64 each: the cosine between view and microfacet, and how much of the light that the microfacet
+        mirrors leaves the surface.
+    """
+    alpha = roughness * roughness
+    view = np.array([np.sqrt(1.0 - cosine * cosine), 0.0, cosine])
+    half = _visible_normals(cosine, alpha, grid)
+    view_half = np.clip(half @ view, 0.0, 1.0)
+    light_cosine = 2.0 * view_half * half[:, 2] - cosine
+    lambda_view, lambda_light = _smith_lambda(cosine, alpha), _smith_lambda(light_cosine, alpha)
+    return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
+
+
 def directional_averages(cosines: np.ndarray, roughness: float, curves: Sequence[Curve], grid: int = 96) -> np.ndarray:
     """∫ f(v·h) dE over a GGX lobe with F = f, by the cosine of the view direction.
 
@@ -52,18 +73,8 @@ def directional_averages(cosines: np.ndarray, roughness: float, curves: Sequence
     cosines = np.asarray(cosines, np.float64)
     if roughness == 0.0:
         return np.stack([curve(cosines) * np.ones_like(cosines) for curve in curves])
-    alpha = roughness * roughness
-    result = np.empty((len(curves), len(cosines)))
-    for i, cosine in enumerate(cosines):
-        view = np.array([np.sqrt(1.0 - cosine * cosine), 0.0, cosine])
-        half = _visible_normals(cosine, alpha, grid)
-        view_half = np.clip(half @ view, 0.0, 1.0)
-        light_cosine = 2.0 * view_half * half[:, 2] - cosine
-        lambda_view, lambda_light = _smith_lambda(cosine, alpha), _smith_lambda(light_cosine, alpha)
-        weight = np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
-        for k, curve in enumerate(curves):
-            result[k, i] = np.mean(weight * curve(view_half))
-    return result
+    samples = [lobe_samples(cosine, roughness, grid) for cosine in cosines]
+    return np.array([[np.mean(weight * curve(facet)) for facet, weight in samples] for curve in curves])
 
 
 def hemispherical_average(cosines: np.ndarray, values: np.ndarray) -> float:

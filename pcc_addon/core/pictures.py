@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-LADDER: tuple[float, ...] = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+LADDER: tuple[float, ...] = (0.0, 0.05, 0.1, 0.16, 0.23, 0.32, 0.44, 0.6)
 """GGX roughnesses of the radiance levels, sharpest first; a roughness between two is mixed from both."""
 
 

@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .effects.records import LookupEffects, SurfaceEffects
-from .pictures import PictureKey
+from .belonging import belongings
+from .effects.records import LookupEffects
+from .effects.surface import SurfaceEffects, surface_effects
+from .pictures import LADDER, PictureKey, PictureKind
+from .probe import ProbeSpec
+from .readings import MaterialReading, SceneReading, SurfaceReading
+
+SAMPLERS = 30  # pictures that EEVEE lets a material read, beside two of its own
+_NOT_HANDLED = {
+    "Transmission Weight": "transmits light",
+    "Coat Weight": "has a coat",
+    "Sheen Weight": "has sheen",
+    "Anisotropic": "is anisotropic",
+    "Thin Film Thickness": "has a thin film",
+}
 
 
 @dataclass(frozen=True)
@@ -15,12 +29,19 @@ class SurfacePlan:
     Attributes:
         path: as in its reading.
         effects: what its shader computes, or None where it keeps its own lobe.
+        roughness: the least and the greatest that it may have.
         reasons: why, in words; all of them.
     """
 
     path: tuple[str, ...]
     effects: SurfaceEffects | None
+    roughness: tuple[float, float]
     reasons: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Its node, with the groups that lead to it."""
+        return " › ".join(self.path)
 
 
 @dataclass(frozen=True)
@@ -30,9 +51,10 @@ class MaterialPlan:
     Attributes:
         material: its name.
         probes: those that it shows, the one with most of its objects first; empty: it is left as it is.
-        objects: (object, probe): which of them each of its objects shows.
+        objects: (object, probe): which of them each of its objects shows; an object in several rooms has several.
         surfaces: one for each of its surfaces.
         reasons: why these probes, or why none, in words.
+        emits: whether it is a light of its own.
     """
 
     material: str
@@ -40,6 +62,22 @@ class MaterialPlan:
     objects: tuple[tuple[str, str], ...]
     surfaces: tuple[SurfacePlan, ...]
     reasons: tuple[str, ...]
+    emits: bool = False
+
+    @property
+    def served(self) -> dict[tuple[str, ...], SurfacePlan]:
+        """The surfaces that show probes, by path."""
+        return {surface.path: surface for surface in self.surfaces if surface.effects is not None}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A sentence on each thing that keeps its own reflection, and on what else a user should know."""
+        left = [s for s in self.surfaces if s.effects is None]
+        named = [
+            f"material '{self.material}': surface '{s.name}' keeps its own lobe: {_listed(s.reasons)}" for s in left
+        ]
+        whole = [f"material '{self.material}' {reason}" for reason in self.reasons]
+        return (*whole, *(named if self.probes or not whole else ()))
 
 
 @dataclass(frozen=True)
@@ -48,12 +86,16 @@ class ProbePlan:
 
     Attributes:
         probe: its name.
+        all_inside: whether no surface that shows it leaves its box and padding.
+        shares: whether a material shows it and others, each where it is the right one.
         lookup: what its lookup computes.
         pictures: those that it needs, sharpest first.
         reasons: why, in words.
     """
 
     probe: str
+    all_inside: bool
+    shares: bool
     lookup: LookupEffects
     pictures: tuple[PictureKey, ...]
     reasons: tuple[str, ...]
@@ -61,13 +103,113 @@ class ProbePlan:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a scene calls for.
+    """What a scene requires.
 
     Attributes:
         probes, materials: by name; faulty probes are missing and named in the notes.
-        notes: sentences on what was left alone, each naming the object, what is wrong and what to do.
+        notes: sentences on probes that were left alone.
     """
 
     probes: tuple[ProbePlan, ...]
     materials: tuple[MaterialPlan, ...]
     notes: tuple[str, ...] = ()
+
+    def probe(self, name: str) -> ProbePlan | None:
+        return next((probe for probe in self.probes if probe.probe == name), None)
+
+
+def make_plan(scene: SceneReading) -> Plan:
+    """Decide which probes each material shows, what each surface computes, and which pictures each probe needs."""
+    specs = [probe.spec for probe in scene.probes if probe.spec is not None]
+    notes = [probe.fault for probe in scene.probes if probe.fault]
+    found = belongings(specs, scene.placements)
+    materials = []
+    for material in scene.materials:
+        owners = found.owners.get(material.name, {})
+        if owners:
+            materials.append(_plan_material(material, owners, scene.roughness_limit))
+    captured = {probe.name: probe.captured_at for probe in scene.probes}
+    probes = [_plan_probe(spec, materials, found.leaving, captured[spec.name]) for spec in specs]
+    return Plan(tuple(probes), tuple(materials), tuple(notes))
+
+
+def plan_surfaces(material: MaterialReading, roughness_limit: float) -> tuple[SurfacePlan, ...]:
+    """What each surface of a material computes, or why it keeps its own lobe."""
+    return tuple(_plan_surface(surface, roughness_limit) for surface in material.surfaces)
+
+
+def _plan_surface(surface: SurfaceReading, limit: float) -> SurfacePlan:
+    if surface.kind != "ShaderNodeBsdfPrincipled":
+        words = surface.kind.removeprefix("ShaderNode").removeprefix("Bsdf")
+        return SurfacePlan(surface.path, None, (0.0, 0.0), (f"it is no Principled BSDF but a {words} shader",))
+    reasons = [what for name, what in _NOT_HANDLED.items() if surface.has(name) and surface.value(name) != 0.0]
+    ior, roughness = surface.scalar("IOR"), surface.scalar("Roughness")
+    if ior is None:
+        reasons.append("has a varying IOR")
+    elif ior < 1.0:
+        reasons.append("has an IOR below 1")
+    if roughness is not None and roughness > limit:
+        reasons.append(f"its roughness {roughness:.3g} is above the scene's limit {limit:.3g}")
+    effects = None if reasons else surface_effects(surface)
+    low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
+    if effects is not None:
+        reasons = ["roughness varies" if roughness is None else f"roughness {roughness:.3g}", effects.label]
+    elif not reasons:
+        reasons = ["it reflects nothing"]
+    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons))
+
+
+def _plan_material(material: MaterialReading, owners: dict[str, dict[str, float]], limit: float) -> MaterialPlan:
+    """The plan of a material whose objects belong to probes so much: by probe, then by object."""
+    surfaces = plan_surfaces(material, limit)
+    ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name))
+    served = [surface for surface in surfaces if surface.effects is not None]
+    if material.obstacles or not served:
+        reasons = tuple(f"{obstacle}; left as it is" for obstacle in material.obstacles)
+        if not reasons and not surfaces:
+            reasons = ("has no surface that a probe could light; left as it is",)
+        return MaterialPlan(material.name, (), (), surfaces, reasons, material.emits)
+    each = sum(_pictures_read(surface) for surface in served)
+    fitting = max(1, (SAMPLERS - material.textures) // max(each, 1))
+    probes = tuple(ranked[:fitting])
+    objects = sorted((item, probe) for probe in probes for item in owners[probe])
+    reasons = []
+    if len(ranked) > fitting:
+        dropped = _named(ranked[fitting:])
+        reasons.append(f"shows {fitting} probes and not {dropped}: EEVEE reads no more pictures in one material")
+    return MaterialPlan(material.name, probes, tuple(objects), surfaces, tuple(reasons), material.emits)
+
+
+def _pictures_read(surface: SurfacePlan) -> int:
+    """How many pictures of each probe a surface reads at most."""
+    low, high = surface.roughness
+    return 3 if low == high else len(LADDER)
+
+
+def _plan_probe(
+    spec: ProbeSpec,
+    materials: Sequence[MaterialPlan],
+    leaving: dict[str, set[str]],
+    captured_at: tuple[float, float, float] | None,
+) -> ProbePlan:
+    showing = [material.material for material in materials if spec.name in material.probes]
+    shared = [m.material for m in materials if spec.name in m.probes and len(m.probes) > 1]
+    outside = [name for name in showing if name in leaving.get(spec.name, ())]
+    point = captured_at if captured_at is not None else tuple(float(c) for c in spec.capture_point)
+    lookup = spec.effects(not outside, point)
+    reasons = [f"{len(showing)} materials show it" if showing else "no material shows it"]
+    if outside:
+        reasons.append(f"surfaces of {_named(outside)} reach beyond its box, so it fades")
+    if shared:
+        reasons.append(f"shares {_named(shared)} with other probes, by place")
+    reasons.append("all levels, so that a changed roughness needs no new bake")
+    pictures = tuple(PictureKey(PictureKind.RADIANCE, level) for level in range(len(LADDER)))
+    return ProbePlan(spec.name, not outside, bool(shared), lookup, pictures, tuple(reasons))
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else ""
+
+
+def _named(names: Sequence[str]) -> str:
+    return _listed([f"'{name}'" for name in names])

@@ -15,8 +15,8 @@ from . import equirect
 from .ggx import blur_kernel
 
 _KEPT_ENERGY = 0.999
-_TEXELS_PER_LOBE = 8.0
-MINIMUM_HEIGHT = 64
+_TEXELS_PER_LOBE = 6.0
+MINIMUM_HEIGHT = 128
 
 
 def _lobe_angle(roughness: float, energy: float) -> float:
@@ -26,7 +26,7 @@ def _lobe_angle(roughness: float, energy: float) -> float:
 
 
 def level_height(source_height: int, roughness: float) -> int:
-    """Rows that a level needs: eight texels across the half-energy lobe, at most the source's own.
+    """Rows that a level needs: six texels across the half-energy lobe, at most the source's own.
 
     Args:
         source_height: rows of the capture's equirectangular picture.

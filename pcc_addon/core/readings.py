@@ -65,13 +65,15 @@ class MaterialReading:
         surfaces: the BSDFs that reach an output in force, each once.
         obstacles: why the material as a whole must be left as it is, in words that follow its name; empty: nothing.
         textures: how many image textures the user's own nodes read (EEVEE has 32 samplers for a material).
-        shown: names of the probes that it shows now.
+        emits: whether it is a light of its own.
+        shown: names of the probe groups that it shows now.
     """
 
     name: str
     surfaces: tuple[SurfaceReading, ...] = ()
     obstacles: tuple[str, ...] = ()
     textures: int = 0
+    emits: bool = False
     shown: tuple[str, ...] = ()
 
 

@@ -12,6 +12,8 @@ from pcc_addon.blender.bake.job import BakedProbe, BakeJob
 from pcc_addon.blender.probes import add_probe, ensure_uid
 from pcc_addon.blender.read.probes import probe_spec
 from pcc_addon.blender.shade.injection import InjectionReport, inject
+from pcc_addon.blender.shade.probe_group import refresh_group
+from pcc_addon.blender.shade.twin import shown_probe_groups
 from pcc_addon.blender.store.levels import bake_folder, store
 from pcc_addon.core.sidecar import Sidecar
 from sample_blends.scenes import Room, add_wall, principled, principled_node
@@ -66,11 +68,19 @@ def put_in() -> InjectionReport:
     return inject(bpy.context.scene, bpy.context.view_layer)
 
 
+def shown_group(material: bpy.types.Material) -> bpy.types.ShaderNodeTree | None:
+    """The probe group that a material shows; one that shows several is no case for this."""
+    groups = shown_probe_groups(material)
+    assert len(groups) < 2
+    return groups[0] if groups else None
+
+
 def pretend_bake(probe: bpy.types.Object) -> None:
     """Give a probe the pictures and the record of a bake without rendering."""
     spec = probe_spec(probe)
     record = Sidecar.of_bake(spec, ensure_uid(probe), seconds=0.0, content_hash="", blender="", addon="")
     store(probe, record, {0.0: np.full((32, 64, 3), 0.5, np.float32)}, None)
+    refresh_group(probe)
 
 
 def picture(probe: bpy.types.Object, roughness: float = 0.0) -> np.ndarray:

@@ -11,7 +11,8 @@ import pytest
 
 from pcc_addon.blender.read.probes import bake_record
 from pcc_addon.blender.store import pictures
-from sample_blends.scenes import empty_scene, principled_node
+from pcc_addon.core.pictures import LADDER
+from sample_blends.scenes import empty_scene
 from tests.blender.helpers import ROOM, bake, contents, picture, pictures_of, save, small_probe, small_room
 
 
@@ -19,7 +20,7 @@ def test_a_bake_of_an_unsaved_file_is_packed_into_it(scene, tmp_path: Path) -> N
     probe = small_room()
     [result] = bake(probe)
     assert result.error is None and result.files == ()
-    assert [level.image.packed_file is not None for level in probe.pcc_probe.levels] == [True]
+    assert [level.image.packed_file is not None for level in probe.pcc_probe.levels] == [True] * len(LADDER)
     before = picture(probe).copy()
     save(tmp_path / "packed.blend")
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "packed.blend"))
@@ -39,7 +40,7 @@ def test_a_bake_of_a_saved_file_lies_beside_it(scene, tmp_path: Path) -> None:
     probe = small_room()
     save(tmp_path / "room.blend")
     [result] = bake(probe)
-    assert [Path(f).parent.name for f in result.files] == ["room.pcc"]
+    assert [Path(f).parent.name for f in result.files] == ["room.pcc"] * len(LADDER)
     assert pictures_of(probe)[0].suffix == ".exr"
     assert not probe.pcc_probe.levels[0].image.packed_file
     assert probe.pcc_probe.levels[0].image.filepath.startswith("//")
@@ -48,20 +49,20 @@ def test_a_bake_of_a_saved_file_lies_beside_it(scene, tmp_path: Path) -> None:
     assert described["probe"] == "Probe" and described["content_hash"] == bake_record(probe).content_hash
     assert described["capture_point"] == pytest.approx(ROOM.centre)
     assert np.allclose(np.reshape(described["matrix"], (4, 4)), probe.matrix_world)
-    [level] = described["levels"]
-    assert np.array_equal(pictures.read_file(sidecar.parent / level["file"]), picture(probe))
-    assert (level["width"], level["height"], level["roughness"]) == (64, 32, 0.0)
-    assert sorted(p.suffix for p in (tmp_path / "room.pcc").iterdir()) == [".exr", ".json"]
+    assert [level["roughness"] for level in described["levels"]] == list(LADDER)
+    for level in described["levels"]:
+        assert np.array_equal(pictures.read_file(sidecar.parent / level["file"]), picture(probe, level["roughness"]))
+        assert (level["width"], level["height"]) == (64, 32)
+    assert sorted(p.suffix for p in (tmp_path / "room.pcc").iterdir()) == [".exr"] * len(LADDER) + [".json"]
 
 
-def test_a_blurred_level_has_its_own_file(scene, tmp_path: Path) -> None:
+def test_every_level_has_its_own_file_and_is_more_blurred_than_the_one_before(scene, tmp_path: Path) -> None:
     probe = small_room()
-    principled_node(bpy.data.materials["Floor"]).inputs["Roughness"].default_value = 0.5
     save(tmp_path / "room.blend")
     bake(probe)
-    assert [round(level.roughness, 4) for level in probe.pcc_probe.levels] == [0.0, 0.5]
-    assert len(set(pictures_of(probe))) == 2 and all(path.is_file() for path in pictures_of(probe))
-    assert picture(probe, 0.5).std() < picture(probe).std()
+    assert len(set(pictures_of(probe))) == len(LADDER) and all(path.is_file() for path in pictures_of(probe))
+    spreads = [picture(probe, roughness).std() for roughness in LADDER]
+    assert spreads == sorted(spreads, reverse=True) and spreads[-1] < spreads[0]
 
 
 @pytest.mark.parametrize("name", ["a/b\\c:d*e?", "Büro 二階 🏠", "../../escape", ".", "   ", "CON", "x" * 63])
@@ -83,7 +84,7 @@ def test_names_that_look_alike_as_file_names_do_not_share_files(scene, tmp_path:
     probes = [small_probe(name) for name in ("a/b", "a\\b", "a b")]
     save(tmp_path / "room.blend")
     bake(*probes)
-    assert len({path for probe in probes for path in pictures_of(probe)}) == 3
+    assert len({path for probe in probes for path in pictures_of(probe)}) == 3 * len(LADDER)
 
 
 def test_two_files_in_one_folder_do_not_overwrite_each_other(scene, tmp_path: Path) -> None:
@@ -114,7 +115,7 @@ def test_a_chosen_folder_is_used_and_made(scene, tmp_path: Path) -> None:
     probe = small_room()
     scene.pcc.folder = str(tmp_path / "deep" / "folder")
     [result] = bake(probe)
-    assert [Path(f).parent for f in result.files] == [tmp_path / "deep" / "folder"]
+    assert [Path(f).parent for f in result.files] == [tmp_path / "deep" / "folder"] * len(LADDER)
 
 
 def test_a_new_probe_with_the_old_name_of_a_renamed_one_gets_its_own_files(scene, tmp_path: Path) -> None:

@@ -8,9 +8,12 @@ from pathlib import Path
 import bpy
 import pytest
 
+from pcc_addon.blender import marks
+from pcc_addon.blender.shade.injection import remove
 from sample_blends.scenes import principled, principled_node
 from tests.blender.helpers import put_in
-from tests.blender.materials import Material, image_texture, link, shiny, show
+from tests.blender.materials import Material, image_texture, link, output_of, shiny, show
+from tests.blender.receivers import mixed, nested
 from tests.blender.snapshots import of_the_user, settled
 from tests.rna_dump import difference
 
@@ -34,7 +37,6 @@ def refused_texture(name: str) -> Callable[[], Material]:
 
 
 REFUSED = {
-    "has a textured roughness": refused_texture("Roughness"),
     "has a varying IOR": refused_texture("IOR"),
     "transmits light": refused_input("Transmission Weight", 0.5),
     "has a coat": refused_input("Coat Weight", 0.5),
@@ -49,7 +51,7 @@ def check_refused(material: Material, reason: str) -> None:
     report = put_in()
     assert report.materials == ()
     [note] = report.notes
-    assert note.startswith(f"material '{material.name}' {reason}") and note.endswith("left as it is")
+    assert note.startswith(f"material '{material.name_full}'") and reason in note
     assert difference(before, of_the_user()) == []
 
 
@@ -86,7 +88,72 @@ def test_refused_materials_do_not_keep_others_from_showing_the_probe(probe) -> N
     assert [name for name, _ in report.materials] == ["Good"] and len(report.notes) == 1
 
 
-def test_a_material_that_reflects_nothing_is_no_concern(probe) -> None:
-    show(principled("Matt", Specular_IOR_Level=0.0))
+def test_a_material_that_reflects_nothing_is_unchanged_and_named(probe) -> None:
+    material = principled("Matt", Specular_IOR_Level=0.0)
+    show(material)
+    check_refused(material, "reflects nothing")
+
+
+def test_a_material_that_is_too_rough_is_unchanged_and_named(probe) -> None:
+    material = principled("Rough", Roughness=0.9)
+    show(material)
+    check_refused(material, "roughness 0.9 is above the scene's limit 0.6")
+
+
+def test_all_reasons_are_given(probe) -> None:
+    material = principled("Odd", Coat_Weight=0.5, Sheen_Weight=0.5)
+    show(material)
+    check_refused(material, "has a coat and has sheen")
+
+
+def test_a_refused_surface_does_not_keep_the_others_of_its_material_from_showing_the_probe(probe) -> None:
+    material = mixed()
+    material.node_tree.nodes["Principled BSDF.001"].inputs["Coat Weight"].default_value = 0.5
+    show(material)
+    before = settled()
     report = put_in()
-    assert report.materials == () and report.notes == ()
+    assert report.materials == ((material.name, probe.name),)
+    [note] = report.notes
+    assert "surface 'Principled BSDF.001' keeps its own lobe: has a coat" in note
+    remove()
+    assert difference(before, of_the_user()) == []
+
+
+def loops() -> dict[str, Callable[[], Material]]:
+    def shader_into_itself() -> Material:
+        material = mixed()
+        mix = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeMixShader")
+        link(material, mix.outputs[0], mix.inputs[2])
+        return material
+
+    def reroute_into_itself() -> Material:
+        material = shiny()
+        reroute = material.node_tree.nodes.new("NodeReroute")
+        link(material, reroute.outputs[0], reroute.inputs[0])
+        link(material, reroute.outputs[0], output_of(material).inputs["Surface"])
+        return material
+
+    return {"a shader": shader_into_itself, "a reroute": reroute_into_itself}
+
+
+@pytest.mark.parametrize("build", loops().values(), ids=loops())
+def test_links_that_go_round_are_named_and_the_other_materials_go_on(probe, build) -> None:
+    show(build())
+    show(shiny("Good"))
+    report = put_in()
+    assert report.materials == (("Good", probe.name),)
+    assert len(report.notes) == 1
+
+
+def test_a_normal_that_a_group_exposes_and_nobody_gives_is_the_surfaces_own(probe) -> None:
+    material = nested()
+    inner = bpy.data.node_groups["Inner"]
+    inner.interface.new_socket("Normal", in_out="INPUT", socket_type="NodeSocketVector")
+    source = next(n for n in inner.nodes if n.bl_idname == "NodeGroupInput")
+    surface = next(n for n in inner.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+    inner.links.new(source.outputs["Normal"], surface.inputs["Normal"])
+    show(material)
+    put_in()
+    copy = next(t for t in bpy.data.node_groups if t.name.startswith("PCC Inner"))
+    [probe_node] = [n for n in copy.nodes if marks.role(n) == "probe"]
+    assert probe_node.inputs["Normal"].links[0].from_node.bl_idname == "ShaderNodeNewGeometry"

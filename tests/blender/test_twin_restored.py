@@ -6,10 +6,9 @@ import bpy
 import pytest
 
 from pcc_addon.blender import marks
-from pcc_addon.blender.shade import twin
 from pcc_addon.blender.shade.injection import remove
 from sample_blends.scenes import principled_node
-from tests.blender.helpers import put_in
+from tests.blender.helpers import put_in, shown_group
 from tests.blender.materials import new, output_of, shiny, show, textured
 from tests.blender.receivers import RECEIVERS, nested
 from tests.blender.snapshots import material_lines, of_the_user, settled
@@ -22,7 +21,7 @@ def test_removing_brings_back_exactly_what_was_there(probe, build) -> None:
     show(material)
     before = settled()
     assert put_in().materials == ((material.name, probe.name),)
-    assert twin.shown_probe_group(material) == probe.pcc_probe.group
+    assert shown_group(material) == probe.pcc_probe.group
     assert remove() == [material.name]
     assert difference(before, of_the_user()) == []
     assert remove() == [], "removing twice finds nothing"
@@ -77,7 +76,7 @@ def test_a_material_that_left_the_room_is_restored_by_the_next_injection(probe) 
     item.location.x += 50.0
     put_in()
     item.location.x -= 50.0
-    assert twin.shown_probe_group(material) is None
+    assert shown_group(material) is None
     remove()
     assert [line for line in difference(before, of_the_user()) if line.startswith("materials[")] == []
 
@@ -111,7 +110,7 @@ def test_a_copy_of_an_injected_material_is_restored_too(probe) -> None:
     copy = material.copy()
     show(copy, "Copy")
     put_in()
-    assert twin.shown_probe_group(material) and twin.shown_probe_group(copy)
+    assert shown_group(material) and shown_group(copy)
     remove()
     for restored in (material, copy):
         assert {n.name for n in restored.node_tree.nodes} == before

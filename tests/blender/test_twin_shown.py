@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 import numpy as np
 import pytest
 
 from pcc_addon.blender import marks
-from pcc_addon.blender.shade import groups, twin
 from pcc_addon.blender.shade.injection import inject, remove
+from pcc_addon.core.effects.roughness import neighbours
+from pcc_addon.core.pictures import LADDER
 from sample_blends.scenes import principled_node
-from tests.blender.helpers import put_in
-from tests.blender.materials import glowing, link, new, shiny, show, subsurface
+from tests.blender.helpers import put_in, shown_group
+from tests.blender.materials import glowing, image_texture, link, new, shiny, show, subsurface
 from tests.blender.receivers import RECEIVERS, added, nested, one_group_twice, outputs_of_each_engine
 from tests.blender.snapshots import material_lines
 from tests.rna_dump import difference
@@ -28,16 +31,47 @@ def test_each_engine_shows_the_twin_of_its_own_output(probe) -> None:
     assert {engine: material.node_tree.get_output_node(engine).name for engine in before} == before
 
 
-def test_a_value_in_an_outer_group_chooses_the_level(probe) -> None:
-    show(nested())
+def levels_read(material: bpy.types.Material) -> set[str]:
+    """The outputs of probe groups that a material's twins read."""
+    nodes = list(probe_nodes(material.node_tree))
+    return {s.name for node in nodes for s in node.outputs if s.is_linked}
+
+
+def probe_nodes(tree: bpy.types.NodeTree) -> Iterator[bpy.types.Node]:
+    for node in tree.nodes:
+        if marks.role(node) == "probe":
+            yield node
+        elif marks.role(node) and node.bl_idname == "ShaderNodeGroup" and marks.role(node.node_tree) == "copy":
+            yield from probe_nodes(node.node_tree)
+
+
+def test_a_bake_and_an_injection_make_the_whole_ladder(probe) -> None:
+    show(shiny())
     put_in()
-    assert sorted(round(level.roughness, 4) for level in probe.pcc_probe.levels) == [0.0, 0.25]
+    assert [level.roughness for level in probe.pcc_probe.levels] == pytest.approx(LADDER)
+
+
+def test_a_value_in_an_outer_group_chooses_its_two_levels(probe) -> None:
+    material = nested()  # roughness 0.25
+    show(material)
+    put_in()
+    assert levels_read(material) == {f"Level {k}" for k in neighbours(LADDER, 0.25, 0.25)}
 
 
 def test_two_uses_of_a_group_read_their_own_levels(probe) -> None:
-    show(one_group_twice())
+    material = one_group_twice()
+    show(material)
     put_in()
-    assert twin.outputs_in_use(probe.pcc_probe.group) == {groups.level_output(r) for r in (0.25, 0.55)}
+    wanted = [*neighbours(LADDER, 0.25, 0.25), *neighbours(LADDER, 0.55, 0.55)]
+    assert levels_read(material) == {f"Level {k}" for k in wanted}
+
+
+def test_a_textured_roughness_reads_every_level(probe) -> None:
+    material = shiny()
+    link(material, image_texture(material).outputs["Alpha"], principled_node(material).inputs["Roughness"])
+    show(material)
+    assert put_in().materials == ((material.name, probe.name),)
+    assert levels_read(material) == {f"Level {k}" for k in range(len(LADDER))}
 
 
 def test_a_material_of_several_objects_is_injected_once(probe) -> None:
@@ -60,10 +94,10 @@ def test_only_the_chosen_objects_materials_are_injected_and_removed(probe) -> No
     first, second = shiny("First"), shiny("Second")
     one, two = show(first), show(second)
     inject(bpy.context.scene, bpy.context.view_layer, [one])
-    assert twin.shown_probe_group(first) and not twin.shown_probe_group(second)
+    assert shown_group(first) and not shown_group(second)
     put_in()
     assert remove([two]) == ["Second"]
-    assert twin.shown_probe_group(first) and not twin.shown_probe_group(second)
+    assert shown_group(first) and not shown_group(second)
 
 
 @pytest.mark.parametrize("build", [f for f in RECEIVERS if f is not glowing], ids=lambda f: f.__name__)

@@ -169,7 +169,7 @@ def test_turning_the_world_by_texels_turns_the_level(columns: int, roughness: fl
 
 @pytest.mark.parametrize("roughness", [0.1, 0.6])
 def test_mirroring_the_world_mirrors_the_level(roughness: float) -> None:
-    picture = np.random.default_rng(3).random((64, 128, 1))
+    picture = np.random.default_rng(3).random((128, 256, 1))
     for axis in (0, 1):
         flipped = prefilter(np.flip(picture, axis), roughness)
         np.testing.assert_array_max_ulp(flipped, np.flip(prefilter(picture, roughness), axis))
@@ -209,9 +209,9 @@ def test_a_level_is_the_source_halved_whole_times_and_never_too_small(source: in
 
 def test_a_smaller_level_is_the_larger_one_with_fewer_texels() -> None:
     """A source four times as fine gives the same level: the reduction loses nothing that the blur keeps."""
-    coarse = np.random.default_rng(6).random((64, 128, 1))
+    coarse = np.random.default_rng(6).random((128, 256, 1))
     fine = coarse.repeat(4, axis=0).repeat(4, axis=1)
-    assert level_height(256, 0.6) == 64
+    assert level_height(512, 0.6) == 128
     np.testing.assert_allclose(prefilter(fine, 0.6), prefilter(coarse, 0.6), atol=1e-5)
 
 

@@ -14,17 +14,20 @@ import numpy as np
 from ...core import equirect, radiance
 from ...core.cubemap import FACES
 from ...core.errors import Cancelled, PccError
+from ...core.pictures import LADDER
+from ...core.plan import Plan, ProbePlan, make_plan
 from ...core.prefilter import prefilter
 from ...core.probe import Engine, ProbeSpec
 from ...core.sidecar import Sidecar
 from ...version import ADDON_VERSION
 from ..overrides import override
 from ..probes import ensure_uid
-from ..read import scene, surfaces
 from ..read.fingerprint import SceneFingerprint
-from ..read.probes import all_probes, probe_spec
-from ..read.receivers import survey
+from ..read.probes import probe_spec
+from ..read.scene import missing_textures, read_scene
 from ..shade import groups, twin
+from ..shade.probe_group import refresh_group
+from ..shade.twin_order import TwinOrder
 from ..store import levels
 from .capture import OVERSCAN, Stage
 
@@ -50,13 +53,16 @@ class BakedProbe:
 
 @dataclass(frozen=True)
 class _Task:
-    """One probe to bake: its object and record, the hash of what it depends on, the levels that are called for."""
+    """One probe to bake: its object and record, the hash of what it depends on, what the plan says of it."""
 
     probe: bpy.types.Object
     spec: ProbeSpec
     content_hash: str
-    roughnesses: tuple[float, ...]
-    all_inside: bool
+    plan: ProbePlan
+
+    @property
+    def roughnesses(self) -> tuple[float, ...]:
+        return tuple(LADDER[key.level] for key in self.plan.pictures)
 
     @property
     def steps(self) -> int:
@@ -122,20 +128,19 @@ class BakeJob:
 
     def _run(self) -> Iterator[None]:
         self._view_layer.update()
-        specs, ready = self._read_probes()
+        ready = self._read_probes()
         if not ready:
             return
         levels.check_folder(self._folder)
-        self.missing_textures = scene.missing_textures(self._view_layer, self._scene.world)
-        found = survey(self._view_layer, specs, self._scene.pcc.roughness_limit)
+        self.missing_textures = missing_textures(self._view_layer, self._scene.world)
+        plan = make_plan(read_scene(self._scene, self._view_layer))
         fingerprint = SceneFingerprint(self._scene, self._view_layer)
         tasks = [
             _Task(
                 probe,
                 spec,
                 fingerprint.content_hash(spec),
-                tuple(sorted({0.0} | found.roughnesses(spec.name) | _levels_in_use(probe))),
-                found.all_inside(spec.name),
+                plan.probe(spec.name),
             )
             for probe, spec in ready
         ]
@@ -143,11 +148,7 @@ class BakeJob:
         done = 0
         yield
         stage = Stage(self._stack, self._scene, self._view_layer)
-        _show_diffuse_only(
-            self._stack,
-            [receiver.material for receiver in found.receivers],
-            twin.Reflection(None, self._scene.pcc.roughness_limit),
-        )
+        _show_diffuse_only(self._stack, plan)
         for task in tasks:
             target = done + task.steps
             try:
@@ -161,20 +162,15 @@ class BakeJob:
                 self.results.append(BakedProbe(task.spec.name, str(error)))
             done = target
 
-    def _read_probes(self) -> tuple[list[ProbeSpec], list[tuple[bpy.types.Object, ProbeSpec]]]:
-        """The records of all sound probes of the scene, and those to bake with theirs; faults become results."""
-        specs, ready = [], []
-        for probe in all_probes(self._scene):
+    def _read_probes(self) -> list[tuple[bpy.types.Object, ProbeSpec]]:
+        """The sound ones among the probes to bake, with their records; faults become results."""
+        ready = []
+        for probe in self._probes:
             try:
-                spec = probe_spec(probe)
+                ready.append((probe, probe_spec(probe)))
             except PccError as error:
-                if probe in self._probes:
-                    self.results.append(BakedProbe(probe.name, str(error)))
-                continue
-            specs.append(spec)
-            if probe in self._probes:
-                ready.append((probe, spec))
-        return specs, ready
+                self.results.append(BakedProbe(probe.name, str(error)))
+        return ready
 
     def _bake(self, stage: Stage, task: _Task) -> Iterator[str]:
         """Render, assemble, blur and store one probe; yields what comes next."""
@@ -209,27 +205,25 @@ class BakeJob:
             addon=ADDON_VERSION,
             replaced_pixels=tuple(replaced),
         )
-        levels.store(probe, record, pictures, self._folder, task.all_inside)
+        levels.store(probe, record, pictures, self._folder)
+        refresh_group(probe, task.plan.all_inside, task.plan.shares)
         images = [level.image for level in probe.pcc_probe.levels]
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced)))
 
 
-def _levels_in_use(probe: bpy.types.Object) -> set[float]:
-    """The roughnesses that materials read from a probe now."""
-    group = probe.pcc_probe.group
-    names = twin.outputs_in_use(group) if group else set()
-    known = (round(level.roughness, surfaces.ROUGHNESS_DIGITS) for level in probe.pcc_probe.levels)
-    return {roughness for roughness in known if groups.level_output(roughness) in names}
+def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:
+    """Switch off injected reflections, and the specular lobes of materials that will show a probe.
 
-
-def _show_diffuse_only(stack: ExitStack, receivers: list[bpy.types.Material], diffuse_only: twin.Reflection) -> None:
-    """Switch off injected reflections, and the specular lobes of materials that will show a probe (S6)."""
+    What a lobe sends to the capture point depends on where one stands, so it is no part of the picture.
+    """
     stack.callback(groups.drop_unused_groups)
     for material in bpy.data.materials:
         for node in twin.reflection_nodes(material):
             override(stack, node, "mute", True)
-    for material in receivers:
-        if not twin.shown_probe_group(material):
+    materials = {material.name_full: material for material in bpy.data.materials}
+    for material_plan in plan.materials:
+        material = materials[material_plan.material]
+        if material_plan.probes and not twin.has_twins(material):
             stack.callback(twin.remove_twins, material)
-            twin.add_twins(material, diffuse_only)
+            twin.add_twins(material, TwinOrder((), material_plan.served, material_plan.emits))

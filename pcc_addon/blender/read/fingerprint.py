@@ -46,7 +46,7 @@ class SceneFingerprint:
         lines = [f"cycles.{name} {getattr(scene.cycles, name)}" for name in _CYCLES]
         if scene.world:
             lines.append(f"world {scene.world.color[:]}")
-            lines += _node_tree(scene.world.node_tree, set())
+            lines += node_lines(scene.world.node_tree)
         self._setting = "\n".join(lines)
 
     def content_hash(self, probe: ProbeSpec) -> str:
@@ -78,11 +78,11 @@ def _object(item: bpy.types.Object) -> bytes:
         _mesh(data, digest)
     elif data is not None:
         digest.update("\n".join(_properties(data, _ID_BOOKKEEPING)).encode())
-        digest.update("\n".join(_node_tree(getattr(data, "node_tree", None), set())).encode())
+        digest.update("\n".join(node_lines(getattr(data, "node_tree", None))).encode())
     for slot in item.material_slots:
         if slot.material:
             digest.update(slot.material.name_full.encode())
-            digest.update("\n".join(_node_tree(slot.material.node_tree, set())).encode())
+            digest.update("\n".join(node_lines(slot.material.node_tree)).encode())
     return digest.digest()
 
 
@@ -121,8 +121,15 @@ def _mesh(mesh: bpy.types.Mesh, digest: Any) -> None:
     digest.update(starts.tobytes())
 
 
-def _node_tree(tree: bpy.types.NodeTree | None, seen: set[str]) -> list[str]:
-    """Lines that change when a shader changes; our own nodes and the choice of the output are left out."""
+def node_lines(tree: bpy.types.NodeTree | None, seen: set[str] | None = None, *, values: bool = True) -> list[str]:
+    """Lines that change when a shader changes; our own nodes and the choice of the output are left out.
+
+    Args:
+        tree: the shader's nodes; None gives no line.
+        seen: names of trees that have had their lines.
+        values: whether the values of the tree's own inputs count; those within groups always do.
+    """
+    seen = set() if seen is None else seen
     if tree is None or tree.name_full in seen:
         return []
     seen.add(tree.name_full)
@@ -132,12 +139,13 @@ def _node_tree(tree: bpy.types.NodeTree | None, seen: set[str]) -> list[str]:
             continue
         lines.append(f"node {node.name} {node.bl_idname}")
         lines += _properties(node, (_NODE_BOOKKEEPING | {"is_active_output", "target"}) - {"mute"})
-        for socket in node.inputs:
+        for socket in node.inputs if values else ():
             value = getattr(socket, "default_value", None)
             lines.append(f"  {socket.identifier} {_plain(value)}")
-        lines += _node_tree(getattr(node, "node_tree", None), seen)
+        lines += node_lines(getattr(node, "node_tree", None), seen)
     lines += [
         f"link {link.from_node.name}.{link.from_socket.identifier} {link.to_node.name}.{link.to_socket.identifier}"
+        f"{' muted' * link.is_muted}"
         for link in tree.links
         if not marks.role(link.from_node) and not marks.role(link.to_node)
     ]

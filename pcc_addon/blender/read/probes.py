@@ -63,17 +63,17 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         outside=Outside(settings.outside),
         corrected=settings.correction == "BOX",
         hidden=tuple(o.name for o in hidden_objects(probe)),
-        animated=_is_animated(probe),
+        animated=is_animated(probe),
     )
 
 
-def _is_animated(item: bpy.types.Object | None) -> bool:
+def is_animated(item: bpy.types.Object | None) -> bool:
     """Whether keyframes, drivers, constraints, a bone or the like may move an object, or one of its parents may."""
     if item is None:
         return False
     data = item.animation_data
     driven = data is not None and (data.action is not None or len(data.drivers) + len(data.nla_tracks) > 0)
-    return driven or len(item.constraints) > 0 or item.parent_type != "OBJECT" or _is_animated(item.parent)
+    return driven or len(item.constraints) > 0 or item.parent_type != "OBJECT" or is_animated(item.parent)
 
 
 def bake_record(probe: bpy.types.Object) -> Sidecar | None:

@@ -1,4 +1,4 @@
-"""What a scene shows: the objects that a render sees, and where their surfaces are."""
+"""What a scene shows, as plain data: placements of objects, their materials, probes. Writes nothing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,42 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ...core.errors import PccError
+from ...core.readings import PlacementReading, ProbeReading, SceneReading
 from .. import marks
+from .materials import read_material
+from .probes import all_probes, bake_record, is_animated, probe_spec
+
+_SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
+
+
+def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> SceneReading:
+    """A scene as a render of one view layer shows it."""
+    placements, materials = [], {}
+    for placement, shown in _placements(view_layer):
+        placements.append(placement)
+        materials.update({material.name_full: material for material in shown})
+    return SceneReading(
+        name=scene.name,
+        probes=tuple(read_probe(probe) for probe in all_probes(scene)),
+        materials=tuple(read_material(materials[name]) for name in sorted(materials)),
+        placements=tuple(placements),
+        roughness_limit=scene.pcc.roughness_limit,
+        cameras=tuple(sorted(o.name for o in scene.objects if o.type == "CAMERA")),
+        animated=frozenset(o.name_full for o in scene.objects if is_animated(o)),
+    )
+
+
+def read_probe(probe: bpy.types.Object) -> ProbeReading:
+    """One probe; whatever is wrong with it becomes its fault."""
+    spec, captured_at, fault = None, None, ""
+    try:
+        spec = probe_spec(probe)
+        record = bake_record(probe)
+        captured_at = record.capture_point if record else None
+    except PccError as error:
+        fault = str(error)
+    return ProbeReading(probe.name, spec, fault, captured_at)
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
@@ -19,26 +54,9 @@ def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     return [found[name] for name in sorted(found)]
 
 
-def surfaces(
-    view_layer: bpy.types.ViewLayer,
-) -> list[tuple[bpy.types.Object, bpy.types.Material, np.ndarray]]:
-    """Every (object, material, world-space corners (8, 3)) that a render shows, instances included."""
-    found = []
-    for instance in _depsgraph(view_layer).object_instances:
-        evaluated = instance.object
-        if evaluated.type not in {"MESH", "CURVE", "SURFACE", "META", "FONT"} or evaluated.hide_render:
-            continue
-        matrix = np.array(instance.matrix_world, np.float64)
-        corners = np.array(evaluated.bound_box, np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-        original = evaluated.original
-        materials = {slot.material for slot in original.material_slots if slot.material}
-        found += [(original, material, corners) for material in sorted(materials, key=lambda m: m.name_full)]
-    return found
-
-
 def missing_textures(view_layer: bpy.types.ViewLayer, world: bpy.types.World | None) -> list[str]:
     """A sentence for each image file that rendered materials or the world need and that is not there."""
-    trees = {material.node_tree for _, material, _ in surfaces(view_layer) if material.node_tree}
+    trees = {material.node_tree for _, shown in _placements(view_layer) for material in shown if material.node_tree}
     if world and world.node_tree:
         trees.add(world.node_tree)
     found = {}
@@ -47,6 +65,29 @@ def missing_textures(view_layer: bpy.types.ViewLayer, world: bpy.types.World | N
         if image.source == "FILE" and not image.packed_file and not Path(path).is_file():
             found[image.name] = f"image '{image.name}': its file '{path}' is missing; relink it or pack it"
     return list(found.values())
+
+
+def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading, list[bpy.types.Material]]]:
+    """Every object and instance that a render shows, and its materials; geometry nodes may assign others than slots."""
+    found = []
+    for instance in _depsgraph(view_layer).object_instances:
+        evaluated = instance.object
+        if evaluated.type not in _SURFACES or evaluated.hide_render:
+            continue
+        matrix = np.array(instance.matrix_world, np.float64)
+        corners = np.array(evaluated.bound_box, np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+        materials = _materials(evaluated)
+        names = tuple(material.name_full for material in materials)
+        found.append((PlacementReading(evaluated.original.name_full, names, corners), materials))
+    return found
+
+
+def _materials(evaluated: bpy.types.Object) -> list[bpy.types.Material]:
+    """The original materials that an evaluated object shows, by name."""
+    found = {slot.material.original for slot in evaluated.material_slots if slot.material}
+    made = getattr(evaluated.data, "materials", ())
+    found |= {material.original for material in made if material}
+    return sorted(found, key=lambda m: m.name_full)
 
 
 def _images(tree: bpy.types.NodeTree, seen: set[str]) -> set[bpy.types.Image]:

@@ -1,18 +1,25 @@
-"""Putting probes into materials and taking them out again."""
+"""Putting probes into materials, as the plan says, and taking them out again."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
-from ...core.errors import PccError, ProbeError
+from ...core.errors import PccError
+from ...core.pictures import LADDER
+from ...core.plan import MaterialPlan, Plan, make_plan
 from ...core.probe import ProbeSpec
-from ..read.probes import all_probes, bake_record, probe_spec
-from ..read.receivers import Survey, survey
-from ..store.levels import bake_folder, ensure_levels, refresh_group
-from . import groups, twin
+from ...core.readings import SceneReading
+from ..read.probes import all_probes
+from ..read.scene import read_scene
+from ..store.levels import bake_folder, ensure_levels
+from . import groups, live
+from .probe_group import refresh_group, shown_probe
+from .twin import has_twins
+from .twin_order import ShownProbe, TwinOrder
 
 
 @dataclass(frozen=True)
@@ -20,8 +27,8 @@ class InjectionReport:
     """What an injection did.
 
     Attributes:
-        materials: (material, probe) names of those that now show a probe.
-        notes: sentences on materials and probes that were left alone.
+        materials: (material, probe) names of those that now show probes, a pair for each probe.
+        notes: sentences on materials, surfaces and probes that were left alone.
     """
 
     materials: tuple[tuple[str, str], ...]
@@ -41,59 +48,81 @@ def inject(
         objects: only their materials; None: all.
 
     Raises:
-        PccError: no probe of the scene is baked.
-        BakeError: a picture cannot be read or written.
+        PccError: no probe of the scene can be shown.
     """
-    notes = []
-    specs: list[ProbeSpec] = []
-    for probe in all_probes(scene):
-        try:
-            if bake_record(probe) is None:
-                notes.append(f"probe '{probe.name}' has no bake; bake it to see it")
-            else:
-                specs.append(probe_spec(probe))
-        except ProbeError as error:
-            notes.append(str(error))
-    if not specs:
+    reading = read_scene(scene, view_layer)
+    plan = make_plan(reading)
+    notes = list(plan.notes)
+    shown = _build_probes(scene, reading, plan, notes)
+    if not shown:
         raise PccError(notes[0] if notes else f"scene '{scene.name}' has no probe; add one and bake it")
-    found = survey(view_layer, specs, scene.pcc.roughness_limit, objects)
-    probes = {probe.name: probe for probe in all_probes(scene)}
-    folder = bake_folder(scene)
-    for spec in specs:
-        ensure_levels(probes[spec.name], found.roughnesses(spec.name), folder)
-        refresh_group(probes[spec.name], objects is None and found.all_inside(spec.name))
-    for receiver in found.receivers:
-        twin.remove_twins(receiver.material)
-        group = probes[receiver.probe].pcc_probe.group
-        twin.add_twins(receiver.material, twin.Reflection(group, scene.pcc.roughness_limit))
-        if receiver.others:
-            others = ", ".join(f"'{name}'" for name in receiver.others)
-            notes.append(
-                f"material '{receiver.material.name}' is also within {others}; it shows '{receiver.probe}' everywhere"
-            )
-    _drop_outdated(found, scene, objects)
-    shown = tuple((receiver.material.name, receiver.probe) for receiver in found.receivers)
-    return InjectionReport(shown, (*notes, *found.left_alone))
+    specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
+    materials = {material.name_full: material for material in bpy.data.materials}
+    chosen = None if objects is None else {material.name_full for material in materials_of(objects)}
+    pairs = []
+    for material_plan in plan.materials:
+        if chosen is not None and material_plan.material not in chosen:
+            continue
+        material = materials[material_plan.material]
+        order = order_of(material_plan, shown, specs)
+        if order.probes:
+            live.show(material, order)
+            pairs += [(material.name, probe) for probe in material_plan.probes if probe in shown]
+        elif not material.library:
+            live.remove(material)
+        notes += material_plan.notes
+    _remove_from_others(plan, objects if objects is not None else scene.objects)
+    groups.drop_unused_groups()
+    return InjectionReport(tuple(pairs), tuple(notes))
 
 
 def remove(objects: Iterable[bpy.types.Object] | None = None) -> list[str]:
     """Take the probes out of all materials, or of those on `objects`; returns the names of the restored ones."""
-    materials = _materials(objects)
-    restored = [m.name for m in materials if not m.library and twin.remove_twins(m)]
+    materials = list(bpy.data.materials) if objects is None else materials_of(objects)
+    restored = [m.name for m in materials if not m.library and live.remove(m)]
     groups.drop_unused_groups()
     return restored
 
 
-def _drop_outdated(found: Survey, scene: bpy.types.Scene, objects: Iterable[bpy.types.Object] | None) -> None:
-    """Remove twins from materials that call for none any more."""
-    current = {receiver.material for receiver in found.receivers}
-    for material in _materials(objects if objects is not None else scene.objects):
-        if material not in current and not material.library and twin.shown_probe_group(material):
-            twin.remove_twins(material)
-
-
-def _materials(objects: Iterable[bpy.types.Object] | None) -> list[bpy.types.Material]:
-    if objects is None:
-        return list(bpy.data.materials)
+def materials_of(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Material]:
+    """The materials of some objects, by name."""
     found = {slot.material for item in objects for slot in item.material_slots if slot.material}
     return sorted(found, key=lambda m: m.name_full)
+
+
+def order_of(plan: MaterialPlan, shown: Mapping[str, ShownProbe], specs: Mapping[str, ProbeSpec]) -> TwinOrder:
+    """What a material's twins are to show of the probes that are at hand, the largest box first."""
+    at_hand = [probe for probe in plan.probes if probe in shown]
+    at_hand.sort(key=lambda probe: (-float(np.prod(specs[probe].box.half_widths)), probe))
+    return TwinOrder(tuple(shown[probe] for probe in at_hand), plan.served, plan.emits)
+
+
+def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, notes: list[str]) -> dict[str, ShownProbe]:
+    """The groups of all baked probes, with the levels that the plan wants; what fails becomes a note."""
+    shown = {}
+    objects = {probe.name: probe for probe in all_probes(scene)}
+    folder = bake_folder(scene)
+    plans = {probe.probe: probe for probe in plan.probes}
+    for probe_reading in reading.probes:
+        if probe_reading.spec is None or probe_reading.fault:
+            continue
+        probe, probe_plan = objects[probe_reading.name], plans[probe_reading.name]
+        if probe_reading.captured_at is None:
+            notes.append(f"probe '{probe.name}' has no bake; bake it to see it")
+            continue
+        try:
+            ensure_levels(probe, [LADDER[key.level] for key in probe_plan.pictures], folder)
+            refresh_group(probe, probe_plan.all_inside, probe_plan.shares)
+        except PccError as error:
+            notes.append(str(error))
+            continue
+        shown[probe.name] = shown_probe(probe.pcc_probe.group)
+    return shown
+
+
+def _remove_from_others(plan: Plan, objects: Iterable[bpy.types.Object]) -> None:
+    """Remove the twins of materials that no probe reaches any more."""
+    planned = {material.material for material in plan.materials}
+    for material in materials_of(objects):
+        if material.name_full not in planned and not material.library and has_twins(material):
+            live.remove(material)

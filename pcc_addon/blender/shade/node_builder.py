@@ -1,12 +1,14 @@
-"""Emits expressions as shader nodes. The only module that knows which node computes what."""
+"""Emits formulas as shader nodes. The only module that knows which node computes what."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import bpy
 
-from ...core.expression import Constant, Expr, Input, Op, Operation
+from ...core.expression import Call, Constant, Expr, Formula, Input, Op, Operation, Sample, Section
+from .node_layout import NodeLayout
 
 _MATH = {
     Op.ADD: "ADD",
@@ -25,53 +27,56 @@ _MATH = {
     Op.REFLECT: "REFLECT",
 }
 _COMPONENTS = {Op.COMPONENT_X: 0, Op.COMPONENT_Y: 1, Op.COMPONENT_Z: 2}
-_COLUMN, _ROW = 180.0, 160.0
+_SOCKETS = {1: "NodeSocketFloat", 3: "NodeSocketVector"}
 
 
-def emit(tree: bpy.types.ShaderNodeTree, outputs: Mapping[str, Expr]) -> None:
+def _no_group(formula: Formula) -> bpy.types.ShaderNodeTree:
+    raise LookupError(f"no node group is known for formula '{formula.title}'")
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a formula meets in Blender.
+
+    Attributes:
+        given: makes the output that feeds an input, for inputs that are no sockets of the group; called once each.
+        images: the pictures by name.
+        group_of: the node group of a formula that is called.
+        colors: outputs that are colours and not vectors.
+    """
+
+    given: Mapping[str, Callable[[], bpy.types.NodeSocket]] = field(default_factory=dict)
+    images: Mapping[str, bpy.types.Image] = field(default_factory=dict)
+    group_of: Callable[[Formula], bpy.types.ShaderNodeTree] = _no_group
+    colors: frozenset[str] = frozenset()
+
+
+def emit(tree: bpy.types.ShaderNodeTree, outputs: Mapping[str, Expr], surroundings: Surroundings | None = None) -> None:
     """Make a node group compute `outputs`: an interface socket per input and output, a node per operation.
 
     Equal operations on equal arguments become one node. What the group computed before is replaced; sockets that stay
-    keep their links in the trees that use it.
+    keep their links in the trees that use it. Nodes stand from left to right, each section of the formula in a frame.
     """
+    surroundings = surroundings or Surroundings()
     tree.nodes.clear()
-    inputs = {expr.name: expr.width for expr in inputs_of(outputs)}
-    declare_sockets(tree, "INPUT", {name: _SOCKETS[width] for name, width in inputs.items()})
-    declare_sockets(tree, "OUTPUT", {name: _SOCKETS[expr.width] for name, expr in outputs.items()})
-    emitter = _Emitter(tree)
+    inputs = Formula("", outputs).inputs
+    kinds = {
+        name: "NodeSocketColor" if name in surroundings.colors else _SOCKETS[outputs[name].width] for name in outputs
+    }
+    declare_sockets(tree, "INPUT", {n: _SOCKETS[i.width] for n, i in inputs.items() if n not in surroundings.given})
+    declare_sockets(tree, "OUTPUT", kinds)
+    emitter = _Emitter(tree, surroundings)
     sink = tree.nodes.new("NodeGroupOutput")
-    for name, expr in outputs.items():
-        emitter.connect(expr, sink.inputs[name])
-    sink.location.x = _COLUMN * (emitter.depth + 1)
-
-
-def inputs_of(outputs: Mapping[str, Expr]) -> list[Input]:
-    """The inputs that some expressions read, each once, in the order of their first use."""
-    found: dict[str, Input] = {}
-    for expr in outputs.values():
-        for part in _walk(expr, set()):
-            if isinstance(part, Input):
-                found.setdefault(part.name, part)
-    return list(found.values())
-
-
-def _walk(expr: Expr, seen: set[int]) -> Iterator[Expr]:
-    if id(expr) in seen:
-        return
-    seen.add(id(expr))
-    for argument in expr.args if isinstance(expr, Operation) else ():
-        yield from _walk(argument, seen)
-    yield expr
-
-
-_SOCKETS = {1: "NodeSocketFloat", 3: "NodeSocketVector"}
+    depths = [emitter.connect(expr, sink.inputs[name]) for name, expr in outputs.items()]
+    emitter.layout.add(sink, max(depths, default=0), "")
+    emitter.layout.arrange()
 
 
 def declare_sockets(tree: bpy.types.ShaderNodeTree, in_out: str, wanted: Mapping[str, str]) -> None:
     """Give a group's inputs or outputs these names and socket types; sockets that fit already are kept."""
     fitting = set()
     for item in [i for i in tree.interface.items_tree if i.in_out == in_out]:
-        if wanted.get(item.name) == item.bl_socket_idname:
+        if wanted.get(item.name) == item.bl_socket_idname and item.name not in fitting:
             fitting.add(item.name)
         else:
             tree.interface.remove(item)
@@ -81,23 +86,23 @@ def declare_sockets(tree: bpy.types.ShaderNodeTree, in_out: str, wanted: Mapping
 
 
 class _Emitter:
-    """One walk over expressions; remembers what it has made."""
+    """One walk over expressions; remembers what it has made. A socket's depth is how many nodes lead to it."""
 
-    def __init__(self, tree: bpy.types.ShaderNodeTree) -> None:
-        self.tree = tree
-        self.source = tree.nodes.new("NodeGroupInput")
-        self.depth = 0
+    def __init__(self, tree: bpy.types.ShaderNodeTree, surroundings: Surroundings) -> None:
+        self.tree, self.layout = tree, NodeLayout(tree)
+        self._surroundings = surroundings
+        self._source: bpy.types.Node | None = None
+        self._section = ""
         self._numbers: dict[tuple, int] = {}
         self._number_of: dict[int, int] = {}
         self._sockets: dict[int, tuple[bpy.types.NodeSocket, int]] = {}
-        self._separated: dict[int, bpy.types.Node] = {}
-        self._rows: dict[int, int] = {}
+        self._shared: dict[tuple, tuple[bpy.types.Node, int]] = {}
 
     def connect(self, expr: Expr, socket: bpy.types.NodeSocket) -> int:
-        """Feed `expr` into `socket`; returns how many nodes deep it is."""
+        """Feed `expr` into `socket`; returns its depth."""
         if isinstance(expr, Constant):
             wide = hasattr(socket.default_value, "__len__")
-            socket.default_value = (expr.value * 3)[:3] if wide else expr.value[0]
+            socket.default_value = (expr.value * 3)[: len(socket.default_value)] if wide else expr.value[0]
             return 0
         result, depth = self._socket(expr)
         self.tree.links.new(result, socket)
@@ -105,36 +110,87 @@ class _Emitter:
 
     def _number(self, expr: Expr) -> int:
         """The same number for the same value (value numbering)."""
+        if isinstance(expr, Section):
+            return self._number(expr.content)
         if id(expr) not in self._number_of:
-            if isinstance(expr, Constant):
-                key: tuple = ("constant", expr.value)
-            elif isinstance(expr, Input):
-                key = ("input", expr.name)
-            else:
-                key = (expr.op, *(self._number(argument) for argument in expr.args))
-            self._number_of[id(expr)] = self._numbers.setdefault(key, len(self._numbers))
+            self._number_of[id(expr)] = self._numbers.setdefault(self._key(expr), len(self._numbers))
         return self._number_of[id(expr)]
+
+    def _key(self, expr: Expr) -> tuple:
+        if isinstance(expr, Constant):
+            return ("constant", expr.value)
+        if isinstance(expr, Input):
+            return ("input", expr.name)
+        if isinstance(expr, Sample):
+            return ("sample", expr.picture, self._number(expr.direction))
+        if isinstance(expr, Call):
+            return (*self._call_key(expr), expr.output)
+        assert isinstance(expr, Operation)
+        return (expr.op, *(self._number(argument) for argument in expr.args))
+
+    def _call_key(self, call: Call) -> tuple:
+        return ("call", call.calls.formula.title, *(self._number(argument) for argument in call.calls.arguments))
 
     def _socket(self, expr: Expr) -> tuple[bpy.types.NodeSocket, int]:
         number = self._number(expr)
         if number not in self._sockets:
-            if isinstance(expr, Input):
-                self._sockets[number] = self.source.outputs[expr.name], 0
-            else:
-                assert isinstance(expr, Operation)
-                self._sockets[number] = self._operation(expr)
+            outer = self._section
+            while isinstance(expr, Section):
+                self._section, expr = expr.title, expr.content
+            self._sockets[number] = self._make(expr)
+            self._section = outer
         return self._sockets[number]
 
-    def _operation(self, expr: Operation) -> tuple[bpy.types.NodeSocket, int]:
+    def _make(self, expr: Expr) -> tuple[bpy.types.NodeSocket, int]:
+        if isinstance(expr, Input):
+            return self._input(expr), 0
+        if isinstance(expr, Sample):
+            return self._sample(expr)
+        if isinstance(expr, Call):
+            node, depth = self._once(self._call_key(expr), lambda: self._call(expr))
+            return node.outputs[expr.output], depth
+        assert isinstance(expr, Operation)
         if expr.op in _COMPONENTS:
-            number = self._number(expr.args[0])
-            if number not in self._separated:
-                node = self.tree.nodes.new("ShaderNodeSeparateXYZ")
-                self._place(node, self.connect(expr.args[0], node.inputs[0]))
-                self._separated[number] = node
-            node = self._separated[number]
-            return node.outputs[_COMPONENTS[expr.op]], int(node.location.x / _COLUMN)
-        sockets = None
+            node, depth = self._once(("separate", self._number(expr.args[0])), lambda: self._separate(expr.args[0]))
+            return node.outputs[_COMPONENTS[expr.op]], depth
+        return self._operation(expr)
+
+    def _once(self, key: tuple, make: Callable[[], tuple[bpy.types.Node, int]]) -> tuple[bpy.types.Node, int]:
+        """A node that several expressions take outputs of."""
+        if key not in self._shared:
+            self._shared[key] = make()
+        return self._shared[key]
+
+    def _input(self, expr: Input) -> bpy.types.NodeSocket:
+        if expr.name in self._surroundings.given:
+            return self._surroundings.given[expr.name]()
+        if self._source is None:
+            self._source = self.tree.nodes.new("NodeGroupInput")
+            self.layout.add(self._source, -1, "")
+        return self._source.outputs[expr.name]
+
+    def _sample(self, expr: Sample) -> tuple[bpy.types.NodeSocket, int]:
+        node = self.tree.nodes.new("ShaderNodeTexEnvironment")
+        node.image = self._surroundings.images[expr.picture]
+        node.name = node.label = expr.picture
+        depth = self.connect(expr.direction, node.inputs["Vector"])
+        return node.outputs["Color"], self.layout.add(node, depth, self._section)
+
+    def _call(self, expr: Call) -> tuple[bpy.types.Node, int]:
+        formula = expr.calls.formula
+        node = self.tree.nodes.new("ShaderNodeGroup")
+        node.node_tree = self._surroundings.group_of(formula)
+        node.label = formula.title.partition(",")[0]
+        given = zip(formula.inputs, expr.calls.arguments, strict=True)
+        depth = max((self.connect(argument, node.inputs[name]) for name, argument in given), default=0)
+        return node, self.layout.add(node, depth, self._section)
+
+    def _separate(self, vector: Expr) -> tuple[bpy.types.Node, int]:
+        node = self.tree.nodes.new("ShaderNodeSeparateXYZ")
+        return node, self.layout.add(node, self.connect(vector, node.inputs[0]), self._section)
+
+    def _operation(self, expr: Operation) -> tuple[bpy.types.NodeSocket, int]:
+        targets = None
         if expr.op is Op.COMBINE:
             node = self.tree.nodes.new("ShaderNodeCombineXYZ")
         elif all(part.width == 1 for part in (expr, *expr.args)):
@@ -145,17 +201,10 @@ class _Emitter:
             if expr.op is Op.MULTIPLY and 1 in (part.width for part in expr.args):
                 node.operation = "SCALE"
                 vector_first = expr.args[0].width == 3
-                sockets = [node.inputs["Vector"], node.inputs["Scale"]][:: 1 if vector_first else -1]
+                targets = [node.inputs["Vector"], node.inputs["Scale"]][:: 1 if vector_first else -1]
             else:
                 node.operation = _MATH[expr.op]
-        targets = sockets or [socket for socket in node.inputs if socket.enabled]
+        targets = targets or [socket for socket in node.inputs if socket.enabled]
         depth = max(self.connect(part, socket) for part, socket in zip(expr.args, targets, strict=True))
-        self._place(node, depth)
         output = next(socket for socket in node.outputs if socket.enabled)
-        return output, depth + 1
-
-    def _place(self, node: bpy.types.Node, depth: int) -> None:
-        row = self._rows.get(depth, 0)
-        self._rows[depth] = row + 1
-        node.location = (_COLUMN * (depth + 1), -_ROW * row)
-        self.depth = max(self.depth, depth + 1)
+        return output, self.layout.add(node, depth, self._section)

@@ -14,8 +14,7 @@ import numpy as np
 from ...core import sidecar
 from ...core.errors import BakeError
 from ...core.prefilter import prefilter
-from ..read.probes import bake_record, probe_spec
-from ..shade import groups
+from ..read.probes import bake_record
 from . import pictures
 
 
@@ -36,16 +35,14 @@ def store(
     record: sidecar.Sidecar,
     levels: dict[float, np.ndarray],
     folder: Path | None,
-    all_inside: bool = False,
 ) -> None:
-    """Write a probe's pictures and sidecar aside, move them into place, and show them.
+    """Write a probe's pictures and sidecar aside and move them into place; its shader is for the caller to refresh.
 
     Args:
         probe: the probe object; its `uid` is set.
         record: of the bake; its levels are filled in here.
         levels: pictures (h, 2h, 3) by roughness, with 0 for the capture itself.
         folder: where to; None packs the pictures into the .blend.
-        all_inside: as in `refresh_group`.
 
     Raises:
         BakeError: the folder or a file cannot be written; what was there before is untouched.
@@ -69,7 +66,7 @@ def store(
             except OSError as error:
                 raise BakeError(_cannot_write(probe, folder, error)) from error
             images = {level.roughness: _linked(folder / level.file, probe, level) for level in described}
-    _show(probe, record, images, all_inside)
+    _keep(probe, record, images)
 
 
 def ensure_levels(
@@ -115,21 +112,6 @@ def missing_files(probe: bpy.types.Object) -> list[str]:
     return [str(path) for path in paths if not path.is_file()]
 
 
-def refresh_group(probe: bpy.types.Object, all_inside: bool = False) -> None:
-    """Rebuild the group of a baked probe after its settings, its surroundings or the add-on's version changed.
-
-    Args:
-        probe: the probe object.
-        all_inside: whether no surface that shows it leaves its box; where nobody has looked, False is always right.
-    """
-    record = bake_record(probe)
-    if record is not None:
-        spec = probe_spec(probe)
-        effects = spec.effects(all_inside, record.capture_point)
-        groups.build_probe_group(probe, spec, effects, record.capture_point)
-        groups.drop_unused_groups()
-
-
 def _folder_for_parts(stack: ExitStack, folder: Path | None) -> Path:
     """A folder for unfinished files, on the same disk as the final one."""
     try:
@@ -173,9 +155,8 @@ def _packed(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.ty
     return image
 
 
-def _show(
-    probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image], all_inside: bool
-) -> None:
+def _keep(probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image]) -> None:
+    """Let the probe know its pictures and their record; pictures that nobody shows any more are removed."""
     settings = probe.pcc_probe
     before = {level.image for level in settings.levels if level.image}
     settings.levels.clear()
@@ -183,7 +164,6 @@ def _show(
         level = settings.levels.add()
         level.roughness, level.image = roughness, images[roughness]
     settings.bake_record = record.to_json()
-    refresh_group(probe, all_inside)
     for image in before - set(images.values()):
         if image.users == 0:
             bpy.data.images.remove(image)

@@ -27,6 +27,19 @@ def read_pixels(image: bpy.types.Image) -> np.ndarray:
     return pixels.reshape(height, width, 4)[..., :3]
 
 
+def check_pixels(probe: str, image: bpy.types.Image | None) -> int:
+    """The rows of a probe's picture.
+
+    Raises:
+        BakeError: it is missing or cannot be read, or has no equirectangular shape.
+    """
+    name = image.name if image else "of a level"
+    width, height = image.size if image else (0, 0)
+    if not height or width != 2 * height or (not image.has_data and not len(image.pixels)):
+        raise BakeError(f"probe '{probe}': its picture '{name}' is missing or cannot be read; bake it again")
+    return height
+
+
 def read_file(path: Path) -> np.ndarray:
     """The pixels of an EXR file, as `read_pixels` gives them."""
     with ExitStack() as stack:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ..expression import Constant, Expr, Input, Op, Operation
+from .. import equirect
+from ..expression import Call, Calls, Constant, Expr, Input, Op, Operation, Sample, Section
 
 
 def _divide(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -50,7 +51,10 @@ _RULES = {
 
 
 def evaluate(
-    outputs: Mapping[str, Expr], inputs: Mapping[str, np.ndarray], dtype: type = np.float32
+    outputs: Mapping[str, Expr],
+    inputs: Mapping[str, np.ndarray],
+    dtype: type = np.float32,
+    pictures: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, np.ndarray]:
     """Evaluate `outputs` at `inputs`.
 
@@ -59,29 +63,58 @@ def evaluate(
         inputs: an array by input name; vectors have shape (..., 3), scalars any shape (...) that broadcasts
             with the vectors' leading shape.
         dtype: np.float32 (as shaders compute) or np.float64; every step is rounded to it.
+        pictures: those that are sampled, by name: (h, 2h, 3) equirectangular, row 0 at the bottom, read bilinearly.
 
     Returns:
         Arrays by output name: (..., 3) for vectors, (...) for scalars, in `dtype`.
 
     Raises:
-        KeyError: an input that an expression needs is missing.
+        KeyError: an input or a picture that an expression needs is missing.
     """
-    known: dict[int, np.ndarray] = {}
+    given: dict[str, np.ndarray] = {}
 
-    def value(expr: Expr) -> np.ndarray:
-        if id(expr) not in known:
-            known[id(expr)] = compute(expr)
-        return known[id(expr)]
+    def read(part: Input) -> np.ndarray:
+        if part.name not in given:
+            array = np.asarray(inputs[part.name], dtype)
+            given[part.name] = array if part.width == 3 else array[..., None]
+        return given[part.name]
 
-    def compute(expr: Expr) -> np.ndarray:
-        if isinstance(expr, Constant):
-            return np.asarray(expr.value, dtype)
-        if isinstance(expr, Input):
-            array = np.asarray(inputs[expr.name], dtype)
-            return array if expr.width == 3 else array[..., None]
-        assert isinstance(expr, Operation)
-        return _RULES[expr.op](*(value(argument) for argument in expr.args))
-
+    run = _Run(read, pictures or {}, dtype)
     with np.errstate(all="ignore"):
-        results = {name: value(expr) for name, expr in outputs.items()}
+        results = {name: run.value(expr) for name, expr in outputs.items()}
     return {name: r if outputs[name].width == 3 else r[..., 0] for name, r in results.items()}
+
+
+class _Run:
+    """One evaluation of a formula; computes each part once."""
+
+    def __init__(self, read: Callable[[Input], np.ndarray], pictures: Mapping[str, np.ndarray], dtype: type) -> None:
+        self._read, self._pictures, self._dtype = read, pictures, dtype
+        self._known: dict[int, np.ndarray] = {}
+        self._inside: dict[int, _Run] = {}
+
+    def value(self, expr: Expr) -> np.ndarray:
+        if id(expr) not in self._known:
+            self._known[id(expr)] = self._compute(expr)
+        return self._known[id(expr)]
+
+    def _compute(self, expr: Expr) -> np.ndarray:
+        if isinstance(expr, Constant):
+            return np.asarray(expr.value, self._dtype)
+        if isinstance(expr, Input):
+            return self._read(expr)
+        if isinstance(expr, Section):
+            return self.value(expr.content)
+        if isinstance(expr, Sample):
+            direction = self.value(expr.direction)
+            return equirect.lookup(self._pictures[expr.picture], direction).astype(self._dtype)
+        if isinstance(expr, Call):
+            return self._call(expr.calls).value(expr.calls.formula.outputs[expr.output])
+        assert isinstance(expr, Operation)
+        return _RULES[expr.op](*(self.value(argument) for argument in expr.args))
+
+    def _call(self, calls: Calls) -> _Run:
+        if id(calls) not in self._inside:
+            given = dict(zip(calls.formula.inputs, calls.arguments, strict=True))
+            self._inside[id(calls)] = _Run(lambda part: self.value(given[part.name]), self._pictures, self._dtype)
+        return self._inside[id(calls)]

@@ -11,10 +11,17 @@ of the distance, so that nothing overflows or is undefined.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from functools import cache
 
 from ..expression import (
+    Calls,
     Expr,
+    Formula,
     Op,
+    Operand,
+    Sample,
+    Section,
     absolute,
     clamp,
     combine,
@@ -59,10 +66,10 @@ def along_face_normals(correction: Correction, v: Expr) -> Expr:
     rotation (Householder 1958).
     """
     if correction is Correction.ALIGNED_BOX:
-        return v  # S7
+        return v
     if correction is Correction.TURNED_BOX:
         return reflect(v, TURN_MIRROR)
-    return combine(dot(NORMAL_X, v), dot(NORMAL_Y, v), dot(NORMAL_Z, v))  # S2, S12
+    return combine(dot(NORMAL_X, v), dot(NORMAL_Y, v), dot(NORMAL_Z, v))
 
 
 def nearness(q: Expr, back: Expr) -> Expr:
@@ -76,7 +83,7 @@ def nearness(q: Expr, back: Expr) -> Expr:
 
 
 def influence_weight(q: Expr) -> Expr:
-    """1 inside the box and its padding, fading smoothly to 0 over the falloff (S3, S4)."""
+    """1 inside the box and its padding, fading smoothly to 0 over the falloff."""
     outside = greatest(absolute(q) - HALF_WIDTHS) - PADDING
     linear = clamp(1.0 - outside / FALLOFF)
     return linear * linear * (3.0 - 2.0 * linear)
@@ -88,41 +95,42 @@ def lookup(effects: LookupEffects) -> dict[str, Expr]:
     Returns:
         "Direction": world-space vector, not normalised; "Weight": what to multiply the radiance by, 0 … 1.
     """
-    back = reflect(INCOMING, NORMAL)  # the reflected ray, reversed: incoming points to the eye (S1)
+    back = Section("Reflected ray, reversed", reflect(INCOMING, NORMAL))  # incoming points to the eye
     if effects.correction is Correction.NONE:
         return {"Direction": back * -1.0, "Weight": lift(1.0)}
     from_centre = POSITION - CENTRE
-    from_capture = POSITION - CAPTURE_POINT if effects.offset else from_centre  # S5
-    q, d = along_face_normals(effects.correction, from_centre), along_face_normals(effects.correction, back)
-    corrected = from_capture * nearness(q, d) - back  # (hit − B) / t with hit = P − t·back; its length does not count
+    from_capture = POSITION - CAPTURE_POINT if effects.offset else from_centre
+    q = Section("Along the box's axes", along_face_normals(effects.correction, from_centre))
+    d = Section("Along the box's axes", along_face_normals(effects.correction, back))
+    near = Section("Exit from the box", nearness(q, d))
+    # (hit − B) / t with hit = P − t·back; its length does not count
+    corrected = Section("Direction from the capture point", from_capture * near - back)
     if effects.outside is None:
         return {"Direction": corrected, "Weight": lift(1.0)}
-    weight = influence_weight(q)
+    weight = Section("Influence", influence_weight(q))
     if effects.outside is Outside.BLACK:
         return {"Direction": corrected, "Weight": weight}
-    return {"Direction": mix(back * -1.0, normalize(corrected), weight), "Weight": lift(1.0)}
+    faded = Section("Influence", mix(back * -1.0, normalize(corrected), weight))
+    return {"Direction": faded, "Weight": lift(1.0)}
 
 
-def off_poles() -> dict[str, Expr]:
-    """A direction kept out of the first and last half texel of an equirectangular picture.
-
-    Cycles repeats environment textures over the poles: nearer to one it mixes in the row of the other. STEEPEST is
-    `steepest_slope` of the picture's height.
-
-    Returns:
-        "Direction": world-space vector, not normalised, of the same azimuth.
-    """
+def _off_poles() -> Expr:
     aside = operation(Op.ADD, DIRECTION, (1e-15, 0.0, 0.0))  # straight up and down have an azimuth too
     limit = length(aside * (1.0, 1.0, 0.0)) * STEEPEST
-    return {
-        "Direction": clamp(
-            aside, multiply_add(limit, (0.0, 0.0, -1.0), _NO_LOWER), multiply_add(limit, (0.0, 0.0, 1.0), _NO_UPPER)
-        )
-    }
+    lowest, highest = multiply_add(limit, (0.0, 0.0, -1.0), _NO_LOWER), multiply_add(limit, (0.0, 0.0, 1.0), _NO_UPPER)
+    return clamp(aside, lowest, highest)
 
 
 _COSINE_ERROR = 2.25 * 2.0**-24  # z / length in float32: a division and a length of half an ulp each, and a little more
 _NO_UPPER, _NO_LOWER = (1e30, 1e30, 0.0), (-1e30, -1e30, 0.0)  # of the horizontal components
+
+
+OFF_POLES = Formula("Off Poles", {"Direction": _off_poles()})
+"""A direction kept out of the first and last half texel of an equirectangular picture, of the same azimuth.
+
+Cycles repeats environment textures over the poles: nearer to one it mixes in the row of the other. "Steepest" is
+`steepest_slope` of the picture's height; the direction is in world space and not normalised.
+"""
 
 
 def steepest_slope(height: int) -> float:
@@ -132,3 +140,56 @@ def steepest_slope(height: int) -> float:
     that of half a texel, in a picture of `height` rows, by as much.
     """
     return 1.0 / math.tan(math.hypot(math.pi / (2.0 * height), math.sqrt(2.0 * _COSINE_ERROR)))
+
+
+def read_picture(picture: str, height: int, direction: Expr) -> Expr:
+    """The radiance of a picture of `height` rows along a world-space direction, right at the poles too."""
+    return Sample(picture, OFF_POLES(Direction=direction, Steepest=steepest_slope(height))["Direction"])
+
+
+@cache
+def depth_formula(correction: Correction) -> Formula:
+    """How far, in metres, a point lies below the nearest of the box's walls and their padding; negative outside."""
+    q = along_face_normals(correction, POSITION - CENTRE)
+    return Formula(f"Depth, {correction.words}", {"Depth": PADDING - greatest(absolute(q) - HALF_WIDTHS)})
+
+
+@cache
+def lookup_formula(effects: LookupEffects) -> Formula:
+    """`lookup`, to be shared by all probes with these effects."""
+    return Formula(f"Lookup, {effects.label}", lookup(effects))
+
+
+def probe(
+    effects: LookupEffects,
+    heights: Mapping[str, int],
+    known: Mapping[str, Operand] | None = None,
+    *,
+    shares: bool = False,
+) -> Formula:
+    """What a probe shows at a point: from the point to its radiance.
+
+    Args:
+        effects: of the lookup.
+        heights: the rows of its pictures, by the name of the output that reads them.
+        known: values of inputs that are the same for all points, such as "Padding"; the others stay inputs.
+        shares: whether a surface chooses between this probe and others, which requires to know how deep it lies in it.
+
+    Returns:
+        A formula with a radiance for each picture, which it samples under the output's name, and with "Depth" of
+        `depth_formula` where it shares.
+    """
+    found = _with(lookup_formula(effects), known or {})
+    fades = effects.outside is Outside.BLACK and effects.correction is not Correction.NONE
+    outputs = {}
+    for name, height in heights.items():
+        radiance = read_picture(name, height, found["Direction"])
+        outputs[name] = radiance * found["Weight"] if fades else radiance
+    if shares:
+        box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction
+        outputs["Depth"] = _with(depth_formula(box), known or {})["Depth"]
+    return Formula("Probe", outputs)
+
+
+def _with(formula: Formula, known: Mapping[str, Operand]) -> Calls:
+    return formula(**{name.replace(" ", "_"): value for name, value in known.items() if name in formula.inputs})

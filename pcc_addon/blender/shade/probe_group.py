@@ -1,0 +1,138 @@
+"""A probe's node group: its box, its capture point and its pictures in, one radiance for each level out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import bpy
+
+from ...core.effects import lookup
+from .. import marks
+from ..read.probes import bake_record, probe_spec
+from ..store.pictures import check_pixels
+from .drivers import DRIVEN, driven_object, driven_vector
+from .groups import formula_group
+from .node_builder import Surroundings, emit
+from .twin_order import ShownProbe
+
+VERSION = 3
+ROLE = "probe"
+_BUILT_FOR = "built_for"  # the probe's matrix and drawn size when its group was built
+_EFFECTS = "effects"  # the label of the lookup that it was built with
+_RUNGS, _FADE = "rungs", "fade"  # as in ShownProbe
+_SHARES = "shares"  # whether it says how deep a point lies in its box
+
+
+def refresh_group(probe: bpy.types.Object, all_inside: bool = False, shares: bool | None = None) -> None:
+    """Build or rebuild the group of a baked probe; nothing happens before its first bake.
+
+    Everything is read first: where something is missing the group stays as it is. Materials that use it keep using it.
+    The box follows the probe object through drivers; the capture point stays where the pictures were taken.
+
+    Args:
+        probe: the probe object.
+        all_inside: whether no surface that shows it leaves its box; where nobody has looked, False is always right.
+        shares: whether surfaces choose between it and other probes; None: as before.
+
+    Raises:
+        PccError: the probe's transform, its record or a picture is faulty.
+    """
+    record = bake_record(probe)
+    if record is None:
+        return
+    spec = probe_spec(probe)
+    effects = spec.effects(all_inside, record.capture_point)
+    levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
+    images = {f"Level {k}": level.image for k, level in enumerate(levels)}
+    heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
+    known = {
+        "Capture Point": record.capture_point,
+        "Padding": spec.influence_padding,
+        "Falloff": spec.influence_falloff,
+    }
+    tree = _group_of(probe)
+    shares = bool(marks.noted(tree, _SHARES)) if shares is None else shares
+    formula = lookup.probe(effects, heights, known, shares=shares)
+    tree.animation_data_clear()
+    emit(tree, formula.outputs, Surroundings(_given(tree, probe), images, formula_group, frozenset(images)))
+    marks.note(tree, marks.VERSION, VERSION)
+    marks.note(tree, _BUILT_FOR, _place(probe))
+    marks.note(tree, _EFFECTS, effects.label)
+    marks.note(tree, _RUNGS, [level.roughness for level in levels])
+    marks.note(tree, _SHARES, shares)
+    marks.note(tree, _FADE, spec.influence_falloff)
+
+
+def shown_probe(tree: bpy.types.ShaderNodeTree) -> ShownProbe:
+    """A probe's group as twins show it."""
+    return ShownProbe(tree, tuple(marks.noted(tree, _RUNGS)), marks.noted(tree, _FADE))
+
+
+def is_current(probe: bpy.types.Object) -> bool:
+    """Whether a probe has a group of its own, built by this version."""
+    tree = probe.pcc_probe.group
+    return (
+        tree is not None
+        and marks.role(tree) == ROLE
+        and marks.noted(tree, marks.VERSION) == VERSION
+        and driven_object(tree) == probe
+    )
+
+
+def shown_effects(tree: bpy.types.ShaderNodeTree) -> str:
+    """The label of the lookup effects that a probe's group was built for."""
+    return marks.noted(tree, _EFFECTS, "")
+
+
+def was_moved(probe: bpy.types.Object) -> bool:
+    """Whether a probe stands elsewhere than when its group was built."""
+    return list(marks.noted(probe.pcc_probe.group, _BUILT_FOR, ())) != _place(probe)
+
+
+def set_padding(tree: bpy.types.ShaderNodeTree, padding: float) -> None:
+    """Let the influence begin to fade elsewhere, in metres beyond the box; nothing is rebuilt."""
+    for node in tree.nodes:
+        if node.bl_idname == "ShaderNodeGroup" and "Padding" in node.inputs:
+            socket = node.inputs["Padding"]
+            if abs(socket.default_value - padding) > 1e-6 * padding:  # setting it asks for another update
+                socket.default_value = padding
+
+
+def _place(probe: bpy.types.Object) -> list[float]:
+    return [*(float(value) for row in probe.matrix_world for value in row), float(probe.empty_display_size)]
+
+
+def _group_of(probe: bpy.types.Object) -> bpy.types.ShaderNodeTree:
+    """The probe's own group; a new one where it has none, or shares that of the probe that it was copied from."""
+    tree = probe.pcc_probe.group
+    usable = tree is not None and not tree.library and marks.role(tree) == ROLE
+    if not usable or driven_object(tree) not in (None, probe):
+        tree = bpy.data.node_groups.new("PCC Probe", "ShaderNodeTree")
+        marks.tag(tree, ROLE)
+        probe.pcc_probe.group = tree
+    tree.name = f"PCC Probe {probe.name}"
+    return tree
+
+
+def _given(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> dict[str, Callable[[], bpy.types.NodeSocket]]:
+    """What feeds the formula's inputs that every surface has, and those that follow the probe."""
+    column = iter(range(len(DRIVEN)))
+    made: list[bpy.types.Node] = []
+
+    def geometry(output: str) -> bpy.types.NodeSocket:
+        if not made:
+            made.append(tree.nodes.new("ShaderNodeNewGeometry"))
+            made[0].location = (-260.0, 300.0)
+        return made[0].outputs[output]
+
+    given = {name: partial(geometry, name) for name in ("Position", "Incoming")}
+    for name in DRIVEN:
+        given[name] = partial(_driven, tree, probe, name, column)
+    return given
+
+
+def _driven(
+    tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, name: str, rows: Iterator[int]
+) -> bpy.types.NodeSocket:
+    return driven_vector(tree, probe, name, (-460.0, -160.0 * next(rows)))

@@ -1,0 +1,235 @@
+"""Builds the twin of one node tree, surface by surface, as it is ordered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+
+from ...core.effects import choice
+from ...core.effects.roughness import level_name, mixed_formula, neighbours
+from ...core.expression import Formula
+from ...core.plan import SurfacePlan
+from .. import marks
+from ..read.nodes import Scope, group_output, is_given, source
+from . import groups
+from .twin_order import ShownProbe, TwinOrder
+
+PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for later
+VALUES = "values"  # note on a twin's node: which of its inputs repeat which of the original's
+OF = "of"  # note on a twin's node: the name of the original
+_FROM_THE_PROBE = {"Base Color", "Metallic", "Specular IOR Level"}  # inputs of the diffuse part that are not copied
+_ROW = 320.0  # between the probes of one surface
+_DROP = -700.0  # how far below the original its twin is drawn
+
+
+class TwinBuilder:
+    """Builds the twins of one node tree."""
+
+    def __init__(self, tree: bpy.types.ShaderNodeTree, scope: Scope, order: TwinOrder, material: str) -> None:
+        self.tree, self.scope, self.order, self.material = tree, scope, order, material
+        self._twins: dict[tuple[int, str], bpy.types.NodeSocket] = {}
+        self._geometry: bpy.types.Node | None = None
+
+    def new(self, kind: str, beside: bpy.types.Node, right: float = 0.0, down: float = 0.0) -> bpy.types.Node:
+        """A node of ours, drawn below `beside`."""
+        node = self.tree.nodes.new(kind)
+        node.select = False
+        marks.tag(node, "twin")
+        place = beside.location_absolute if hasattr(beside, "location_absolute") else beside.location
+        node.location = (place.x + right, place.y + _DROP - down)
+        return node
+
+    def twin(self, socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
+        """The output that does for a twin what the source of `socket` does for the original."""
+        feeding = source(socket)
+        if feeding is None or feeding.type != "SHADER":
+            return feeding
+        key = (feeding.node.as_pointer(), feeding.identifier)
+        if key not in self._twins:
+            self._twins[key] = self._twin_of(feeding)
+        return self._twins[key]
+
+    def _twin_of(self, feeding: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = feeding.node
+        if node.mute:
+            return feeding
+        surface = self.order.surfaces.get(self.scope.path(node))
+        if surface is not None:
+            return self._surface(node, surface)
+        is_group = node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None
+        if not is_group and not any(s.type == "SHADER" for s in node.inputs):
+            return feeding
+        copy = self.new(node.bl_idname, node)
+        copy.name = f"PCC {node.name}"
+        if is_group:
+            copy.node_tree = self._group(node)
+        else:
+            _copy_settings(node, copy)
+        self._fill(node, copy)
+        return copy.outputs[list(node.outputs).index(feeding)]
+
+    def _fill(self, node: bpy.types.Node, copy: bpy.types.Node, without: set[str] = frozenset()) -> None:
+        """Feed the inputs of `copy` as those of `node` are fed, shaders by their twins."""
+        for old, new in zip(node.inputs, copy.inputs, strict=True):
+            if old.name in without:
+                continue
+            if old.type == "SHADER":
+                feeding = self.twin(old)
+                if feeding is not None:
+                    self.tree.links.new(feeding, new)
+            elif hasattr(old, "default_value") or source(old) is not None:
+                self._feed(old, new)
+
+    def _feed(self, old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:
+        """Let an input of the twin read what an input of the original reads, or repeat its value."""
+        feeding = source(old)
+        if feeding is not None:
+            self.tree.links.new(feeding, new)
+            return
+        repeat_value(old, new)
+        marks.note(new.node, OF, old.node.name)
+        marks.note(new.node, VALUES, {**dict(marks.noted(new.node, VALUES, {})), new.identifier: old.identifier})
+
+    def _group(self, node: bpy.types.ShaderNodeGroup) -> bpy.types.ShaderNodeTree:
+        """A copy of a group's tree whose shaders are twins."""
+        inside = self.scope.inside(node)
+        tree = node.node_tree.copy()
+        tree.name = f"PCC {node.node_tree.name}, {self.material}"
+        marks.tag(tree, "copy")
+        sink = group_output(tree)
+        if sink is None:
+            return tree
+        builder = TwinBuilder(tree, Scope(tree, inside.nodes), self.order, self.material)
+        for socket in [s for s in sink.inputs if s.type == "SHADER"]:
+            feeding = builder.twin(socket)
+            if feeding is not None:
+                tree.links.new(feeding, socket)
+        return tree
+
+    def _surface(self, node: bpy.types.ShaderNodeBsdfPrincipled, plan: SurfacePlan) -> bpy.types.NodeSocket:
+        """A Principled surface without its specular lobe, plus what the probes reflect in its place."""
+        diffuse = self.new("ShaderNodeBsdfPrincipled", node)
+        diffuse.name = f"PCC {node.name}"
+        _copy_settings(node, diffuse)
+        self._fill(node, diffuse, without=_FROM_THE_PROBE)
+        diffuse.inputs["Metallic"].default_value = 0.0
+        diffuse.inputs["Specular IOR Level"].default_value = 0.0
+        lit = self._lit(node, plan, 0)
+        self.tree.links.new(lit.outputs["Diffuse Color"], diffuse.inputs["Base Color"])
+        if not self.order.probes:
+            return diffuse.outputs[0]
+        total = self.new("ShaderNodeAddShader", node, right=480.0)
+        self.tree.links.new(diffuse.outputs[0], total.inputs[0])
+        self.tree.links.new(self._reflections(node, plan, lit), total.inputs[1])
+        return total.outputs[0]
+
+    def _lit(self, node: bpy.types.Node, plan: SurfacePlan, row: int) -> bpy.types.Node:
+        """The group node that makes a surface's reflection of a radiance."""
+        lit = self.new("ShaderNodeGroup", node, right=-240.0, down=_ROW * row)
+        lit.node_tree = groups.surface_group(plan.effects)
+        lit.name, lit.label = f"PCC Surface of {node.name}", "Reflectance"
+        for socket in lit.inputs:
+            if socket.name == "Normal":
+                self.tree.links.new(self._normal(node), socket)
+            elif socket.name == "Incoming":
+                self.tree.links.new(self._geometry_of(node).outputs["Incoming"], socket)
+            elif socket.name != "Radiance":
+                self._feed(node.inputs[socket.name], socket)
+        return lit
+
+    def _reflections(self, node: bpy.types.Node, plan: SurfacePlan, lit: bpy.types.Node) -> bpy.types.NodeSocket:
+        """The shader that emits what the probes reflect; where there are several, each where it is the right one.
+
+        A Mix Shader is skipped by Cycles on the side that has no share, so only the probes of the place are read.
+        """
+        shader = distance = None
+        for row, shown in enumerate(self.order.probes):
+            probe = self.new("ShaderNodeGroup", node, right=-760.0, down=_ROW * row)
+            probe.node_tree = shown.group
+            probe.name, probe.label = f"PCC Probe of {node.name}", shown.group.name
+            marks.tag(probe, PROBE)
+            self.tree.links.new(self._normal(node), probe.inputs["Normal"])
+            if row > 0:
+                lit = self._lit(node, plan, row)
+            self.tree.links.new(self._radiance(node, plan, shown, probe, row), lit.inputs["Radiance"])
+            glow = self.new("ShaderNodeEmission", node, right=20.0, down=_ROW * row + 160.0)
+            marks.tag(glow, GLOW)
+            self.tree.links.new(lit.outputs["Reflection"], glow.inputs["Color"])
+            self._feed(node.inputs["Alpha"], glow.inputs["Strength"])
+            if shader is None:
+                shader = glow.outputs[0]
+                if len(self.order.probes) > 1:
+                    distance = self._call(choice.START, node, -500.0, 0, {"Depth": probe.outputs["Depth"]})
+                continue
+            step = self._call(
+                choice.NEXT,
+                node,
+                -500.0,
+                row,
+                {"Depth": probe.outputs["Depth"], "Distance": distance.outputs["Distance"]},
+            )
+            step.inputs["Fade"].default_value = shown.fade
+            mix = self.new("ShaderNodeMixShader", node, right=240.0, down=_ROW * row)
+            self.tree.links.new(step.outputs["Share"], mix.inputs[0])
+            self.tree.links.new(shader, mix.inputs[1])
+            self.tree.links.new(glow.outputs[0], mix.inputs[2])
+            shader, distance = mix.outputs[0], step
+        return shader
+
+    def _radiance(
+        self, node: bpy.types.Node, plan: SurfacePlan, shown: ShownProbe, probe: bpy.types.Node, row: int
+    ) -> bpy.types.NodeSocket:
+        """What a probe shows at the surface's roughness."""
+        levels = neighbours(shown.rungs, *plan.roughness)
+        if len(levels) == 1:
+            return probe.outputs[level_name(levels[0])]
+        formula = mixed_formula(tuple(shown.rungs[k] for k in levels))
+        given = {level_name(i): probe.outputs[level_name(k)] for i, k in enumerate(levels)}
+        mixed = self._call(formula, node, -500.0, row, given)
+        self._feed(node.inputs["Roughness"], mixed.inputs["Roughness"])
+        return mixed.outputs["Radiance"]
+
+    def _call(
+        self,
+        formula: Formula,
+        node: bpy.types.Node,
+        right: float,
+        row: int,
+        given: Mapping[str, bpy.types.NodeSocket],
+    ) -> bpy.types.Node:
+        """A node of a formula's group, some of its inputs linked."""
+        call = self.new("ShaderNodeGroup", node, right=right, down=_ROW * row)
+        call.node_tree = groups.formula_group(formula)
+        call.label = formula.title
+        for name, socket in given.items():
+            self.tree.links.new(socket, call.inputs[name])
+        return call
+
+    def _normal(self, node: bpy.types.Node) -> bpy.types.NodeSocket:
+        feeding = source(node.inputs["Normal"]) if is_given(node.inputs["Normal"], self.scope) else None
+        return feeding or self._geometry_of(node).outputs["Normal"]
+
+    def _geometry_of(self, node: bpy.types.Node) -> bpy.types.Node:
+        if self._geometry is None:
+            self._geometry = self.new("ShaderNodeNewGeometry", node, right=-1000.0)
+        return self._geometry
+
+
+def repeat_value(old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:
+    """Give an input the value of another, which may be of another width; nothing happens where it has it already."""
+    value = old.default_value
+    if hasattr(new.default_value, "__len__"):
+        value = tuple(value)[: len(new.default_value)]
+        if tuple(new.default_value) != value:
+            new.default_value = value
+    elif new.default_value != value:
+        new.default_value = value
+
+
+def _copy_settings(node: bpy.types.Node, copy: bpy.types.Node) -> None:
+    """Copy what is special to the node's type, such as a distribution; not its name or place."""
+    common = {p.identifier for p in bpy.types.Node.bl_rna.properties}
+    for prop in node.bl_rna.properties:
+        if prop.identifier not in common and not prop.is_readonly:
+            setattr(copy, prop.identifier, getattr(node, prop.identifier))

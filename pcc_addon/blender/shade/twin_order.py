@@ -1,0 +1,40 @@
+"""What a material's twins are to show: the plan of a material with the node groups that stand for its probes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import bpy
+
+from ...core.plan import SurfacePlan
+
+
+@dataclass(frozen=True)
+class ShownProbe:
+    """A probe as twins show it.
+
+    Attributes:
+        group: its node group.
+        rungs: the roughnesses of its outputs "Level 0", "Level 1" …, ascending.
+        fade: metres over which it fades in within a larger probe's box.
+    """
+
+    group: bpy.types.ShaderNodeTree
+    rungs: tuple[float, ...]
+    fade: float
+
+
+@dataclass(frozen=True)
+class TwinOrder:
+    """What to build.
+
+    Attributes:
+        probes: largest box first; empty: the diffuse part alone, as captures need it.
+        surfaces: by path; those that are missing keep their own lobes.
+        emits: whether the material is a light of its own, which Cycles goes on sampling.
+    """
+
+    probes: tuple[ShownProbe, ...]
+    surfaces: Mapping[tuple[str, ...], SurfacePlan]
+    emits: bool = False

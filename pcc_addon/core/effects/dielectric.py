@@ -1,0 +1,96 @@
+"""The specular layer over a Principled BSDF's diffuse base: Fresnel's curve scaled to its F0 and tint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..expression import Expr, greatest, lift, maximum, minimum, mix
+from ..readings import SurfaceReading
+from .fresnel import curve_position, f0_from_ior, fresnel, ior_from_f0, schlick
+from .multiscatter import with_returned_energy
+from .shading import SPECULAR_LEVEL, SPECULAR_TINT, Shading
+
+_STEEPEST_CURVE = 3.0  # above this index the curve dips before it rises, and has no effective cosine
+
+
+@dataclass(frozen=True)
+class Dielectric:
+    """A dielectric lobe.
+
+    Attributes:
+        ior: index of refraction of the material; gives the reflectance at normal incidence.
+        eta: the index whose Fresnel curve the lobe follows, after the specular level.
+        f0: the reflectance at normal incidence where it is the same grey all over the surface; None where the
+            specular level or tint vary or have a colour.
+    """
+
+    ior: float
+    eta: float
+    f0: float | None
+
+    @property
+    def label(self) -> str:
+        words = [f"IOR {self.ior:.6g}"]
+        if self.eta != self.ior:
+            words.append(f"as {self.eta:.6g}")
+        words.append("varying F0" if self.f0 is None else f"F0 {self.f0:.6g}")
+        return " ".join(words)
+
+    @classmethod
+    def wanted(cls, surface: SurfaceReading) -> Dielectric | None:
+        metallic = surface.scalar("Metallic")
+        if metallic is not None and metallic >= 1.0:
+            return None
+        ior = surface.scalar("IOR")
+        assert ior is not None, "a varying index is refused before"
+        tinted = surface.color("Specular Tint") != (1.0, 1.0, 1.0)
+        return cls.of(ior, surface.scalar("Specular IOR Level"), tinted)
+
+    @classmethod
+    def of(cls, ior: float, level: float | None, tinted: bool = False) -> Dielectric | None:
+        """The lobe of an index of refraction, or None where it reflects nothing.
+
+        Args:
+            ior: of the material.
+            level: the specular IOR level, or None where it varies.
+            tinted: whether the specular tint is not white all over.
+        """
+        f0 = f0_from_ior(ior) if level is None else f0_from_ior(ior) * 2.0 * level
+        eta = ior
+        if level is not None and level != 0.5:
+            eta = ior_from_f0(f0)
+            eta = 1.0 / eta if ior < 1.0 else eta
+        if eta == 1.0 or ior == 1.0:
+            return None
+        return cls(ior, eta, None if tinted or level is None else min(f0, 1.0))
+
+    def apply(self, shading: Shading) -> Shading:
+        reflectance = self._reflectance(shading)
+        left = 1.0 - (reflectance if reflectance.width == 1 else minimum(greatest(reflectance), 1.0))
+        return replace(shading, reflectance=reflectance, left=shading.left * left)
+
+    def _reflectance(self, shading: Shading) -> Expr:
+        """A scalar where F0 is grey and constant, else a colour."""
+        lobe = shading.lobe
+        f0 = lift(self.f0) if self.f0 is not None else _tinted_f0(self.ior)
+        single = lobe.albedo() * self._at_effective_angle(shading)
+        return with_returned_energy(single, f0, lobe) if shading.keeps_energy else single
+
+    def _at_effective_angle(self, shading: Shading) -> Expr:
+        lobe, start = shading.lobe, f0_from_ior(self.eta)
+        curve = curve_position(self.eta)
+        if self.eta > _STEEPEST_CURVE:
+            mirror = fresnel(lobe.effective_cosine(schlick, 1.0), self.eta)
+            position = lobe.average(curve, schlick, (mirror - start) / (1.0 - start))
+        else:
+            mirror = fresnel(lobe.effective_cosine(curve, start if self.f0 is None else self.f0), self.eta)
+            if self.f0 is not None and abs(self.f0 - start) < 1e-6:
+                return mirror
+            position = (mirror - start) / (1.0 - start)
+        f0 = _tinted_f0(self.ior) if self.f0 is None else lift(self.f0)
+        # The curve of a high index dips below its start, which must not make a black tint negative.
+        return maximum(mix(f0, 1.0, position), 0.0)
+
+
+def _tinted_f0(ior: float) -> Expr:
+    return minimum(SPECULAR_TINT * (SPECULAR_LEVEL * (2.0 * f0_from_ior(ior))), 1.0)

@@ -1,0 +1,174 @@
+"""The GGX lobe of a surface as expressions of view cosine and roughness: how much it reflects, and at which angle.
+
+A lobe reflects as a mirror would at an "effective cosine", times its albedo (what the masking of microfacets leaves of
+white light): ∫ F dE = E · F(effective cosine), with the exact Fresnel curve F. Both E and the effective cosine are
+smooth functions that vanish into E = 1 and the view's cosine for a mirror; here they are fitted for all roughnesses at
+once, so that roughness may vary over a surface. Where it does not, Cycles computes the coefficients once.
+
+Source of the lobe: `core.ggx`; the fit minimises the relative error of the reflectance at F0 = 0.02 or the curve's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from ..expression import Expr, clamp, multiply_add
+from ..ggx import lobe_samples
+
+Curve = Callable[[np.ndarray], np.ndarray]
+Coefficients = tuple[tuple[float, ...], ...]  # by term, then by power of the roughness, lowest first
+
+_ANGLES = np.pi * (np.arange(20) + 0.5) / 20
+_COSINES = np.concatenate([[0.0002, 0.001, 0.002, 0.004, 0.008], 0.5 - 0.5 * np.cos(_ANGLES), [1.0]])
+_ROUGHNESSES = np.array([0.01, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.7, 0.85, 1.0])
+_IMPORTANT = 0.65  # roughness up to which the fit must be good
+_LEAST_F0 = 0.02  # water
+_POWERS = 5  # of roughness in each coefficient
+
+
+@dataclass(frozen=True)
+class Lobe:
+    """A lobe seen under an angle.
+
+    Attributes:
+        cosine: between view and normal, 0 … 1.
+        roughness: 0 … 1.
+    """
+
+    cosine: Expr
+    roughness: Expr
+
+    @property
+    def alpha(self) -> Expr:
+        return self.roughness * self.roughness
+
+    @property
+    def grazing(self) -> Expr:
+        """alpha / (alpha + cosine): 0 for a mirror, 1 along the surface; what masking depends on."""
+        return self.alpha / (self.alpha + self.cosine)
+
+    def albedo(self) -> Expr:
+        """What the lobe reflects of white light where every microfacet is a perfect mirror."""
+        loss = _by_powers(_albedo_fit(), self.roughness)
+        v = self.grazing
+        return 1.0 - v * multiply_add(v, multiply_add(v, multiply_add(v, loss[3], loss[2]), loss[1]), loss[0])
+
+    def average_albedo(self) -> Expr:
+        """The cosine-weighted mean of the albedo over all views, an expression of roughness alone."""
+        return 1.0 - self.alpha * _by_powers(_average_fit(), self.roughness)[0]
+
+    def effective_cosine(self, curve: Curve, f0: float) -> Expr:
+        """The angle at which a mirror with this curve would reflect what the lobe does, but for the albedo.
+
+        Args:
+            curve: 0 at normal incidence, 1 along the surface; it must not rise with the cosine.
+            f0: the least reflectance at normal incidence that it is used with.
+        """
+        constant, slope, first, second = _by_powers(_cosine_fit(curve, max(f0, _LEAST_F0)), self.roughness)
+        v = self.grazing
+        shift = multiply_add(v, multiply_add(v, second, first), multiply_add(self.cosine, slope, constant))
+        return clamp(multiply_add(self.alpha, shift, self.cosine))
+
+    def average(self, curve: Curve, angles: Curve, at_effective: Expr) -> Expr:
+        """The mean of a curve over the lobe that rises and falls, from its value at another's effective cosine.
+
+        Args:
+            curve: what is averaged.
+            angles: the curve that `effective_cosine` is known for, with F0 = 1.
+            at_effective: `curve` at that cosine.
+        """
+        *powers, first, second = _by_powers(_average_of(curve, angles), self.roughness)
+        polynomial = powers[-1]
+        for coefficient in powers[-2::-1]:
+            polynomial = multiply_add(self.cosine, polynomial, coefficient)
+        return at_effective + self.alpha * multiply_add(
+            self.grazing, multiply_add(self.grazing, second, first), polynomial
+        )
+
+
+def _by_powers(coefficients: Coefficients, roughness: Expr) -> list[Expr]:
+    """Polynomials in the roughness, lowest power first."""
+    found = []
+    for powers in coefficients:
+        value = powers[-1] * roughness + powers[-2]
+        for coefficient in powers[-3::-1]:
+            value = value * roughness + coefficient
+        found.append(value)
+    return found
+
+
+@cache
+def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(cosines, roughnesses), each (n,), and the lobe's microfacet cosines and weights there, each (n, samples)."""
+    pairs = [(c, r) for r in _ROUGHNESSES for c in _COSINES]
+    samples = [lobe_samples(c, r, 40) for c, r in pairs]
+    cosines, roughnesses = np.array(pairs).T
+    return cosines, roughnesses, np.stack([s[0] for s in samples]), np.stack([s[1] for s in samples])
+
+
+def _grazing() -> np.ndarray:
+    cosine, roughness, _, _ = _grid()
+    return roughness**2 / (roughness**2 + cosine)
+
+
+@cache
+def _albedo() -> np.ndarray:
+    return _grid()[3].mean(1)
+
+
+def _fitted(terms: Sequence[np.ndarray], target: np.ndarray, weight: np.ndarray) -> Coefficients:
+    """Coefficients by term and power of roughness, by weighted least squares."""
+    roughness = _grid()[1]
+    basis = np.stack([term * roughness**j for term in terms for j in range(_POWERS)], -1)
+    weight = weight * np.where(roughness <= _IMPORTANT, 1.0, 0.2)
+    solution = np.linalg.lstsq(basis * weight[:, None], target * weight, rcond=None)[0]
+    return tuple(tuple(float(k) for k in row) for row in solution.reshape(-1, _POWERS))
+
+
+@cache
+def _albedo_fit() -> Coefficients:
+    v = _grazing()
+    return _fitted([v, v**2, v**3, v**4], 1.0 - _albedo(), 1.0 / _albedo())
+
+
+@cache
+def _average_fit() -> Coefficients:
+    c = _grid()[0]
+    albedo = _albedo().reshape(len(_ROUGHNESSES), -1)
+    c = c.reshape(albedo.shape)[0]
+    mu, values = np.concatenate([[0.0], c]), np.concatenate([albedo[:, :1], albedo], 1)
+    products = 2.0 * mu * values
+    means = (0.5 * (products[:, 1:] + products[:, :-1]) * np.diff(mu)).sum(1)
+    means = means / (mu[-1] ** 2)
+    basis = np.stack([_ROUGHNESSES ** (2 + j) for j in range(_POWERS)], -1)
+    return (tuple(float(k) for k in np.linalg.lstsq(basis, 1.0 - means, rcond=None)[0]),)
+
+
+@cache
+def _cosine_fit(curve: Curve, f0: float) -> Coefficients:
+    c, roughness, facets, weights = _grid()
+    mean = (weights * curve(facets)).mean(1) / _albedo()
+    x = np.linspace(0.0, 1.0, 4001)
+    values = curve(x)
+    slope = np.abs(np.gradient(values, x))
+    effective = np.interp(mean, values[::-1], x[::-1])
+    weight = (1.0 - f0) * np.interp(effective, x, slope) / (f0 + (1.0 - f0) * mean) + 1e-3
+    alpha, v = roughness**2, _grazing()
+    return _fitted([alpha, alpha * c, alpha * v, alpha * v * v], effective - c, weight)
+
+
+@cache
+def _average_of(curve: Curve, angles: Curve) -> Coefficients:
+    c, roughness, facets, weights = _grid()
+    mean = (weights * curve(facets)).mean(1) / _albedo()
+    alpha, v = roughness**2, _grazing()
+    shift = np.stack(
+        [term * roughness**j for term in (alpha, alpha * c, alpha * v, alpha * v * v) for j in range(_POWERS)]
+    )
+    effective = np.clip(c + np.ravel(_cosine_fit(angles, 1.0)) @ shift, 0.0, 1.0)
+    terms = [alpha * c**k for k in range(6)] + [alpha * v, alpha * v * v]
+    return _fitted(terms, mean - curve(effective), np.ones_like(c))

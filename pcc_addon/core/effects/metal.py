@@ -1,0 +1,58 @@
+"""The metallic lobe of a Principled BSDF: Schlick's curve over the base colour, with the F82 tint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..expression import Expr, clamp, minimum, mix
+from ..readings import SurfaceReading
+from .fresnel import dip, schlick
+from .multiscatter import with_returned_energy
+from .shading import BASE_COLOR, METALLIC, SPECULAR_TINT, Shading
+
+_F82_COSINE = 1.0 / 7.0
+_LEAST_F0 = 0.02  # of a metal that is worth a reflection
+
+
+@dataclass(frozen=True)
+class Metal:
+    """A metallic lobe, mixed by Metallic over what there is.
+
+    Attributes:
+        tinted: whether the specular tint is not white all over.
+        pure: whether the surface is metal all over, so that nothing is left of what lies under it.
+    """
+
+    tinted: bool = False
+    pure: bool = False
+
+    @property
+    def label(self) -> str:
+        return " ".join(["tinted"] * self.tinted + ["metal"] + ["alone"] * self.pure)
+
+    @classmethod
+    def wanted(cls, surface: SurfaceReading) -> Metal | None:
+        metallic = surface.scalar("Metallic")
+        if metallic is not None and metallic <= 0.0:
+            return None
+        tinted = surface.color("Specular Tint") != (1.0, 1.0, 1.0)
+        return cls(tinted, metallic is not None and metallic >= 1.0)
+
+    def apply(self, shading: Shading) -> Shading:
+        metal = self._reflectance(shading)
+        mixed = metal * METALLIC if self.pure else mix(shading.reflectance, metal, METALLIC)
+        return replace(shading, reflectance=mixed, left=shading.left * (1.0 - METALLIC))
+
+    def _reflectance(self, shading: Shading) -> Expr:
+        """A colour."""
+        lobe, f0 = shading.lobe, clamp(BASE_COLOR)
+        angle = lobe.effective_cosine(schlick, _LEAST_F0)
+        grazing = 1.0 - angle
+        squared = grazing * grazing
+        single = mix(f0, 1.0, squared * squared * grazing)
+        if self.tinted:
+            at_82 = mix(f0, 1.0, (1.0 - _F82_COSINE) ** 5)
+            depth = at_82 * (1.0 - minimum(SPECULAR_TINT, 1.0)) * (1.0 / (_F82_COSINE * (1.0 - _F82_COSINE) ** 6))
+            single = clamp(single - depth * lobe.average(dip, schlick, angle * squared * squared * squared))
+        single = lobe.albedo() * single
+        return with_returned_energy(single, f0, lobe) if shading.keeps_energy else single

@@ -1,0 +1,39 @@
+"""The radiance at a roughness: mixed from the two nearest levels of a probe's ladder."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from functools import cache
+
+from ..expression import Expr, Formula, clamp, vector
+from .shading import ROUGHNESS
+
+
+def level_name(k: int) -> str:
+    """The name of a probe's output, and of an input here, for level `k`."""
+    return f"Level {k}"
+
+
+def neighbours(rungs: Sequence[float], low: float, high: float) -> range:
+    """The levels that surfaces of roughness `low` … `high` read, of a ladder of ascending roughnesses."""
+    first = max(bisect_right(rungs, low) - 1, 0)
+    last = min(bisect_left(rungs, high), len(rungs) - 1)
+    return range(first, max(first, last) + 1)
+
+
+def mixed(rungs: Sequence[float], roughness: Expr) -> Expr:
+    """The radiance of levels given as inputs, with the ladder's ends beyond its ends."""
+    levels = [vector(level_name(k)) for k in range(len(rungs))]
+    radiance: Expr = levels[0]
+    for k in range(len(rungs) - 1):
+        share = clamp((roughness - rungs[k]) * (1.0 / (rungs[k + 1] - rungs[k])))
+        radiance = radiance + (levels[k + 1] - levels[k]) * share
+    return radiance
+
+
+@cache
+def mixed_formula(rungs: tuple[float, ...]) -> Formula:
+    """`mixed` at the input "Roughness", to be shared by all surfaces that read these rungs; output "Radiance"."""
+    title = " ".join(f"{rung:.3g}" for rung in rungs)
+    return Formula(f"Levels, {title}", {"Radiance": mixed(rungs, ROUGHNESS)})

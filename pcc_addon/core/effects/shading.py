@@ -1,0 +1,32 @@
+"""What a surface's shader has computed so far; each effect takes one and gives one back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..expression import Expr, scalar, vector
+from .lobe import Lobe
+
+RADIANCE = vector("Radiance")
+BASE_COLOR = vector("Base Color")
+METALLIC = scalar("Metallic")
+ROUGHNESS = scalar("Roughness")
+SPECULAR_LEVEL = scalar("Specular IOR Level")
+SPECULAR_TINT = vector("Specular Tint")
+
+
+@dataclass(frozen=True)
+class Shading:
+    """A surface halfway.
+
+    Attributes:
+        lobe: its specular lobe under the view's angle.
+        reflectance: how much of the radiance it sends to the eye, a scalar or a colour.
+        left: what is left for the diffuse part, a scalar.
+        keeps_energy: whether its lobes give back what scatters between microfacets.
+    """
+
+    lobe: Lobe
+    reflectance: Expr
+    left: Expr
+    keeps_energy: bool = False
