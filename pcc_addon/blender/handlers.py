@@ -1,45 +1,119 @@
-"""Keeps shaders right while an artist moves probes."""
+"""Keeps shaders right while an artist works: probes that move, copies, deleted probes, edited materials, undo."""
 
 from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
 
 import bpy
 
 from ..core.errors import PccError
-from .read.probes import bake_record, probe_spec
-from .shade import probe_group
+from . import marks
+from .read.probes import all_probes, bake_record, probe_spec
+from .shade import groups, live, probe_group
+
+_paused = 0
+
+
+@contextlib.contextmanager
+def paused() -> Iterator[None]:
+    """Nothing is brought up to date meanwhile: a bake changes materials for a while and brings them back itself."""
+    global _paused
+    _paused += 1
+    try:
+        yield
+    finally:
+        _paused -= 1
 
 
 @bpy.app.handlers.persistent
 def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Give a probe that was moved the lookup that holds wherever it is now; the next injection specialises it again.
+    """Bring up to date what has changed. Animation does not call this: `ProbeSpec.effects` knows of it."""
+    if _paused:
+        return
+    changed = {update.id.original: update for update in depsgraph.updates}
+    for item, update in changed.items():
+        if isinstance(item, bpy.types.Object) and item.pcc_probe.is_probe and not item.library:
+            _follow(item, moved=update.is_updated_transform)
+    if any(isinstance(item, (bpy.types.Scene, bpy.types.Collection)) for item in changed) and _orphans():
+        bring_all_up_to_date(scene)
+        return
+    materials = {item for item in changed if isinstance(item, bpy.types.Material)}
+    trees = {item for item in changed if isinstance(item, bpy.types.ShaderNodeTree) and not marks.role(item)}
+    if any(not tree.is_embedded_data for tree in trees):
+        materials.update(bpy.data.materials)
+    for material in sorted(materials, key=lambda m: m.name_full):
+        live.bring_up_to_date(material, scene.pcc.roughness_limit)
+
+
+@bpy.app.handlers.persistent
+def on_undo(scene: bpy.types.Scene, *_: object) -> None:
+    """Undo steps are taken before twins follow an edit."""
+    bring_all_up_to_date(scene)
+
+
+@bpy.app.handlers.persistent
+def on_load(*_: object) -> None:
+    """The file may have been edited where the add-on is not, or saved by an older version."""
+    for scene in bpy.data.scenes:
+        for probe in all_probes(scene):
+            if probe.pcc_probe.group is not None and not probe_group.is_current(probe):
+                with contextlib.suppress(PccError):  # status names what is wrong with the bake
+                    probe_group.refresh_group(probe)
+    bring_all_up_to_date(bpy.context.scene)
+
+
+def bring_all_up_to_date(scene: bpy.types.Scene) -> None:
+    """Every material that shows probes."""
+    for material in bpy.data.materials:
+        live.bring_up_to_date(material, scene.pcc.roughness_limit)
+    groups.drop_unused_groups()
+
+
+def _orphans() -> list[bpy.types.ShaderNodeTree]:
+    """The groups of deleted probes that materials still use."""
+    ours = [tree for tree in bpy.data.node_groups if marks.role(tree) == probe_group.ROLE and tree.users]
+    return [tree for tree in ours if probe_group.probe_of(tree) is None]
+
+
+def _follow(probe: bpy.types.Object, *, moved: bool) -> None:
+    """Give a probe that was moved the lookup that holds wherever it is now, and a copied one a group of its own.
 
     Drivers follow the box; what they cannot follow is that it was unrotated, held all surfaces or was captured from its
-    centre, and how far from the origin it stands. Animation does not call this: `ProbeSpec.effects` knows of it.
+    centre, and how far from the origin it stands. The next injection specialises it again.
     """
-    for update in depsgraph.updates:
-        probe = update.id.original
-        if not update.is_updated_transform or not isinstance(probe, bpy.types.Object):
-            continue
-        if not probe.pcc_probe.is_probe or probe.library or probe.pcc_probe.group is None:
-            continue
-        if not probe_group.was_moved(probe):
-            continue
-        try:
-            record, spec = bake_record(probe), probe_spec(probe)
-            if record is None:
-                continue
-            needed = spec.effects(all_inside=False, captured_at=record.capture_point)
-            if probe_group.shown_effects(probe.pcc_probe.group) != needed.label:
-                probe_group.refresh_group(probe)
-            else:
-                probe_group.set_padding(probe.pcc_probe.group, spec.influence_padding)
-        except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
-            continue
+    tree = probe.pcc_probe.group
+    if tree is None:
+        return
+    copied = probe_group.probe_of(tree) not in (None, probe)
+    if not copied and not (moved and probe_group.was_moved(probe)):
+        return
+    try:
+        record, spec = bake_record(probe), probe_spec(probe)
+        if record is None:
+            return
+        needed = spec.effects(all_inside=False, captured_at=record.capture_point)
+        if copied or probe_group.shown_effects(tree) != needed.label:
+            probe_group.refresh_group(probe)
+        else:
+            probe_group.set_padding(tree, spec.influence_padding)
+    except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
+        return
+
+
+_HANDLERS = (
+    ("depsgraph_update_post", on_depsgraph_update),
+    ("undo_post", on_undo),
+    ("redo_post", on_undo),
+    ("load_post", on_load),
+)
 
 
 def register() -> None:
-    bpy.app.handlers.depsgraph_update_post.append(on_depsgraph_update)
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister() -> None:
-    bpy.app.handlers.depsgraph_update_post.remove(on_depsgraph_update)
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(handler)

@@ -20,6 +20,7 @@ from ...core.prefilter import prefilter
 from ...core.probe import Engine, ProbeSpec
 from ...core.sidecar import Sidecar
 from ...version import ADDON_VERSION
+from .. import handlers
 from ..overrides import override
 from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
@@ -147,6 +148,7 @@ class BakeJob:
         total = sum(task.steps for task in tasks)
         done = 0
         yield
+        self._stack.enter_context(handlers.paused())
         stage = Stage(self._stack, self._scene, self._view_layer)
         _show_diffuse_only(self._stack, plan)
         for task in tasks:

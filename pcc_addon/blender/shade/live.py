@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
 
 import bpy
 
+from ...core.effects.roughness import neighbours
+from ...core.plan import plan_surfaces
 from .. import marks
 from ..read.fingerprint import node_lines
+from ..read.materials import read_material
+from .probe_group import probe_of, shown_probe
 from .twin import add_twins, has_twins, remove_twins, shown_probe_groups
 from .twin_builder import OF, VALUES, repeat_value
 from .twin_order import TwinOrder
@@ -48,15 +51,30 @@ def copy_values(tree: bpy.types.ShaderNodeTree) -> None:
                 repeat_value(theirs[known], socket)
 
 
-def showing(groups: Iterable[bpy.types.ShaderNodeTree]) -> list[bpy.types.Material]:
-    """The materials that show one of some probe groups."""
-    wanted = set(groups)
-    return [m for m in bpy.data.materials if not m.library and wanted.intersection(shown_probe_groups(m))]
-
-
 def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
     """A text that changes when the twins of a material must be built anew; values alone do not change it."""
     lines = node_lines(material.node_tree, values=False)
     lines += [f"{shown.group.name_full} {shown.rungs} {shown.fade}" for shown in order.probes]
-    lines += [f"{path} {order.surfaces[path]}" for path in sorted(order.surfaces)]
+    for path, surface in sorted(order.surfaces.items()):
+        levels = [neighbours(shown.rungs, *surface.roughness) for shown in order.probes]
+        lines.append(f"{path} {surface.effects} {levels}")
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def bring_up_to_date(material: bpy.types.Material, roughness_limit: float) -> None:
+    """Let the twins of a material follow what the user made of it; nothing happens to materials without twins.
+
+    Probes that were deleted are shown no more. A surface that no probe can serve at present keeps its own lobe, and
+    shows them again when it can be served.
+    """
+    groups = shown_probe_groups(material) if material.node_tree and not material.library else ()
+    if not groups:
+        return
+    left = [group for group in groups if probe_of(group) is not None]
+    if not left:
+        remove(material)
+        return
+    reading = read_material(material)
+    plans = () if reading.obstacles else plan_surfaces(reading, roughness_limit)
+    served = {plan.path: plan for plan in plans if plan.effects is not None}
+    show(material, TwinOrder(tuple(shown_probe(group) for group in left), served, reading.emits))

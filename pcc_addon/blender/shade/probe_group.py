@@ -69,6 +69,16 @@ def shown_probe(tree: bpy.types.ShaderNodeTree) -> ShownProbe:
     return ShownProbe(tree, tuple(marks.noted(tree, _RUNGS)), marks.noted(tree, _FADE))
 
 
+def probe_of(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
+    """The probe that a group was built for, or None where it was deleted."""
+    followed = driven_object(tree)
+    if followed is not None:
+        return followed if followed.users_collection or followed.library else None
+    if tree.animation_data is not None and len(tree.animation_data.drivers):
+        return None
+    return next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
+
+
 def is_current(probe: bpy.types.Object) -> bool:
     """Whether a probe has a group of its own, built by this version."""
     tree = probe.pcc_probe.group

@@ -36,6 +36,8 @@ def add_twins(material: bpy.types.Material, order: TwinOrder) -> None:
             feeding = builder.twin(socket) if shader else source(socket)
             if feeding is not None:
                 tree.links.new(feeding, twin.inputs[socket.name])
+        if not order.surfaces:
+            builder.keep_probes(original)
         if len(originals) == 1:
             twin.target = original.target
             twin.is_active_output = True

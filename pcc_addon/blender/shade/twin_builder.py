@@ -40,6 +40,13 @@ class TwinBuilder:
         node.location = (place.x + right, place.y + _DROP - down)
         return node
 
+    def keep_probes(self, beside: bpy.types.Node) -> None:
+        """Remember the probes where no surface can show them at present."""
+        for row, shown in enumerate(self.order.probes):
+            probe = self.new("ShaderNodeGroup", beside, right=-240.0, down=_ROW * row)
+            probe.node_tree = shown.group
+            marks.tag(probe, PROBE)
+
     def twin(self, socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
         """The output that does for a twin what the source of `socket` does for the original."""
         feeding = source(socket)
@@ -122,7 +129,21 @@ class TwinBuilder:
         total = self.new("ShaderNodeAddShader", node, right=480.0)
         self.tree.links.new(diffuse.outputs[0], total.inputs[0])
         self.tree.links.new(self._reflections(node, plan, lit), total.inputs[1])
-        return total.outputs[0]
+        return self._own_lobe_for_diffuse_rays(node, total)
+
+    def _own_lobe_for_diffuse_rays(self, node: bpy.types.Node, seen: bpy.types.Node) -> bpy.types.NodeSocket:
+        """The probe's reflection for all rays but those that left a diffuse surface, which meet the original.
+
+        A path from a diffuse wall that finds a lamp's picture by chance is a firefly; with the original it is the
+        caustic that the renderer filters and clamps as ever. Walls then are lit as without the probe.
+        """
+        path = self.new("ShaderNodeLightPath", node, right=480.0, down=200.0)
+        mix = self.new("ShaderNodeMixShader", node, right=680.0)
+        marks.tag(mix, GLOW)  # muted, it passes the first shader on
+        self.tree.links.new(path.outputs["Is Diffuse Ray"], mix.inputs[0])
+        self.tree.links.new(seen.outputs[0], mix.inputs[1])
+        self.tree.links.new(node.outputs[0], mix.inputs[2])
+        return mix.outputs[0]
 
     def _lit(self, node: bpy.types.Node, plan: SurfacePlan, row: int) -> bpy.types.Node:
         """The group node that makes a surface's reflection of a radiance."""
