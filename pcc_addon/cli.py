@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
@@ -20,6 +21,7 @@ from .core.errors import Cancelled, PccError
 from .quiet import quiet_blender
 
 DONE, FAILED, USAGE, CANCELLED = 0, 1, 2, 130
+_LONGEST_NAME = 240  # bytes of a file name that every system allows, with some left for temporary names
 
 
 class _Parser(argparse.ArgumentParser):
@@ -55,6 +57,7 @@ def _parser(file_is_open: bool) -> argparse.ArgumentParser:
     )
     sub("inject", "let the materials show the baked probes")
     sub("remove", "restore the materials")
+    sub("plan", "say which materials show which probe, and why others do not", saves=False)
     sub("status", "say which probes are baked, stale or faulty", saves=False)
     return parser
 
@@ -64,9 +67,15 @@ class _Voice:
 
     def __init__(self, out: TextIO, as_json: bool) -> None:
         self._out, self._as_json = out, as_json
+        self._kinds: set[str] = set()
+
+    def said(self, kind: str) -> bool:
+        """Whether such an event has been told."""
+        return kind in self._kinds
 
     def event(self, kind: str, text: str, **details: object) -> None:
         """Something happened: a line of JSON, or `text`."""
+        self._kinds.add(kind)
         line = json.dumps({"event": kind, **details}) if self._as_json else text
         print(line, file=self._out, flush=True)
 
@@ -117,7 +126,8 @@ def _run(options: argparse.Namespace, voice: _Voice) -> int:
         if options.file is not None:
             _open(options.file)
         failures = _COMMANDS[options.sub](options, voice)
-        _save(options, voice)
+        if options.sub != "bake" or voice.said("baked"):
+            _save(options, voice)
     except (Cancelled, KeyboardInterrupt):
         voice.error("cancelled; nothing was saved")
         return CANCELLED
@@ -128,13 +138,22 @@ def _run(options: argparse.Namespace, voice: _Voice) -> int:
 
 
 def _check_paths(options: argparse.Namespace) -> None:
-    if options.file is not None and not options.file.is_file():
+    if options.file is not None and not _is_file(options.file):
         raise PccError(f"file '{options.file}' does not exist; check the path")
     output = getattr(options, "output", None)
+    if output is not None and len(os.fsencode(output.name)) > _LONGEST_NAME:
+        raise PccError(f"output '{output}': its name is longer than {_LONGEST_NAME} bytes; choose a shorter one")
     if output is not None and not output.resolve().parent.is_dir():
         raise PccError(f"folder '{output.resolve().parent}' does not exist; make it first")
     if output is not None and output.suffix != ".blend":
         raise PccError(f"output '{output}' does not end in .blend; rename it")
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name that the system does not allow
+        return False
 
 
 def _open(path: Path) -> None:
@@ -151,13 +170,12 @@ def _open(path: Path) -> None:
 def _save(options: argparse.Namespace, voice: _Voice) -> None:
     import bpy
 
+    from .blender.saving import save_whole
+
     if not getattr(options, "save", False) and not getattr(options, "output", None):
         return
     path = options.output.resolve() if options.output else Path(bpy.data.filepath)
-    try:
-        bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    except RuntimeError as error:
-        raise PccError(f"'{path}' cannot be saved ({error}); free space or choose another place") from error
+    save_whole(path)
     voice.event("saved", f"saved {path}", file=str(path))
 
 
@@ -203,14 +221,14 @@ def _bake(options: argparse.Namespace, voice: _Voice) -> int:
 
 
 def _apply_settings(options: argparse.Namespace, probes: Sequence) -> None:
-    from .core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION
+    from .core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES
 
     if options.resolution is not None and not MINIMUM_RESOLUTION <= options.resolution <= MAXIMUM_RESOLUTION:
         raise PccError(
             f"--resolution {options.resolution}: choose between {MINIMUM_RESOLUTION} and {MAXIMUM_RESOLUTION} pixels"
         )
-    if options.samples is not None and options.samples < 1:
-        raise PccError(f"--samples {options.samples}: choose at least 1")
+    if options.samples is not None and not 1 <= options.samples <= MOST_SAMPLES:
+        raise PccError(f"--samples {options.samples}: choose between 1 and {MOST_SAMPLES}")
     for name in ("engine", "resolution", "samples"):
         value = getattr(options, name)
         if value is not None:
@@ -251,6 +269,22 @@ def _remove(options: argparse.Namespace, voice: _Voice) -> int:
     return 0
 
 
+def _plan(options: argparse.Namespace, voice: _Voice) -> int:
+    import bpy
+
+    from .blender.planning import plan_scene
+    from .core.plan_report import lines, records
+
+    plan = plan_scene(bpy.context.scene, bpy.context.view_layer)
+    if options.json:
+        for record in records(plan):
+            voice.event("plan", "", **record)
+    else:
+        for line in lines(plan):
+            voice.event("plan", line)
+    return 0
+
+
 def _status(options: argparse.Namespace, voice: _Voice) -> int:
     import bpy
 
@@ -265,4 +299,4 @@ def _status(options: argparse.Namespace, voice: _Voice) -> int:
     return sum(status.state == "error" for status in found)
 
 
-_COMMANDS = {"bake": _bake, "inject": _inject, "remove": _remove, "status": _status}
+_COMMANDS = {"bake": _bake, "inject": _inject, "remove": _remove, "plan": _plan, "status": _status}

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Euler, Vector
 
-from ..core.errors import ProbeError
+from ..core.errors import BakeError, ProbeError
 from .read.probes import bake_record
 
 _INFINITE = float(np.finfo(np.float32).max)  # an operator's properties turn infinity into this
@@ -50,8 +50,15 @@ def ensure_uid(probe: bpy.types.Object) -> str:
     settings = probe.pcc_probe
     others = {o.pcc_probe.uid: o for o in bpy.data.objects if o.pcc_probe.is_probe and o != probe}
     twin = others.get(settings.uid)
-    record = bake_record(probe)
-    is_copy = twin is not None and (record is None or record.probe != probe.name)
-    if not settings.uid or is_copy:
+    if not settings.uid or (twin is not None and _baked_as(probe) != probe.name):
         settings.uid = uuid.uuid4().hex
     return settings.uid
+
+
+def _baked_as(probe: bpy.types.Object) -> str | None:
+    """The name that a probe had at its last bake, or None where that cannot be told."""
+    try:
+        record = bake_record(probe)
+    except BakeError:  # a damaged record is mended by the bake that asks
+        return None
+    return record.probe if record else None

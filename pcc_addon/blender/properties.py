@@ -6,7 +6,7 @@ import bpy
 
 from ..core.effects.records import Outside
 from ..core.errors import PccError
-from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Engine
+from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Engine
 
 
 def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
@@ -45,7 +45,12 @@ class PCC_Probe(bpy.types.PropertyGroup):
         subtype="PIXEL",
     )
     samples: bpy.props.IntProperty(
-        name="Samples", description="Render samples for each pixel of a face", default=64, min=1, soft_max=4096
+        name="Samples",
+        description="Render samples for each pixel of a face",
+        default=64,
+        min=1,
+        soft_max=4096,
+        max=MOST_SAMPLES,
     )
     engine: bpy.props.EnumProperty(
         name="Engine",

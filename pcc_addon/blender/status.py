@@ -10,7 +10,7 @@ import bpy
 from ..core.errors import PccError
 from .read.fingerprint import SceneFingerprint
 from .read.probes import all_probes, bake_record, probe_spec
-from .store.levels import missing_files
+from .store.levels import faulty_picture
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ def _status(probe: bpy.types.Object, fingerprint: SceneFingerprint) -> ProbeStat
         return ProbeStatus(probe.name, "error", str(error))
     if record is None:
         return ProbeStatus(probe.name, "unbaked", "it has no bake")
-    missing = missing_files(probe)
-    if missing:
-        return ProbeStatus(probe.name, "stale", f"its picture '{missing[0]}' is missing; bake it again")
+    fault = faulty_picture(probe, record)
+    if fault:
+        return ProbeStatus(probe.name, "stale", f"{fault}; bake it again")
     if record.content_hash != fingerprint.content_hash(spec):
         return ProbeStatus(probe.name, "stale", "the scene or the probe changed since its bake")
     return ProbeStatus(probe.name, "baked")

@@ -13,6 +13,7 @@ from .effects.records import Correction, LookupEffects, Outside
 from .errors import ProbeError
 
 MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION = 16, 4096
+MOST_SAMPLES = 2**24  # what Cycles takes
 _FLATTEST = 1e-9  # smallest accepted ratio of a box's volume to that of a box with the same edge lengths
 STEEPEST_FALLOFF = 1e-9  # metres: an edge
 _ULP = float(np.finfo(np.float32).eps)

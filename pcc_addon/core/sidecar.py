@@ -7,26 +7,60 @@ import json
 import math
 import os
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from .cubemap import FACES
 from .errors import BakeError
+from .pictures import PictureKey, PictureKind
 from .probe import ProbeSpec
 
-VERSION = 1
+VERSION = 2
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
-_NUMBERS = {"matrix": 16, "capture_point": 3, "clip": 2}
+FORMAT = "parallax-probe"
 
 
 @dataclass(frozen=True)
 class Level:
-    """One picture: the capture as a GGX lobe of this roughness sees it."""
+    """One picture: the capture as a GGX lobe of this roughness sees it.
 
+    Attributes:
+        key: which of the probe's pictures it is.
+        roughness: of the lobe.
+        file: its name, beside the sidecar.
+        width, height: texels.
+        size: bytes of the file; 0 where nobody has noted it.
+        digest: hexadecimal, of the pixels; empty where nobody has noted it.
+    """
+
+    key: PictureKey
     roughness: float
     file: str
     width: int
     height: int
+    size: int = 0
+    digest: str = ""
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> Level:
+        """Read what `Sidecar.to_json` wrote; what it does not know is ignored.
+
+        Raises:
+            KeyError, TypeError, ValueError: it is no such thing.
+        """
+        return cls(
+            key=PictureKey.parse(_text(plain["key"])),
+            roughness=_number(plain["roughness"]),
+            file=_text(plain["file"]),
+            width=_whole(plain["width"]),
+            height=_whole(plain["height"]),
+            size=_whole(plain.get("size", 0)),
+            digest=_text(plain.get("digest", "")),
+        )
 
 
 @dataclass(frozen=True)
@@ -96,18 +130,20 @@ class Sidecar:
 
     def to_json(self) -> str:
         """The sidecar's text, with the format's version and the face convention."""
-        faces = [asdict(face) for face in FACES]
         convention = {
             "picture": "equirectangular, u = 1/2 - atan2(y, x) / 2 pi, v = 1/2 + asin(z) / pi from the bottom",
             "space": "world axes, Z up, right-handed, metres, scene-linear radiance",
-            "faces": faces,
+            "faces": [asdict(face) for face in FACES],
         }
-        document = {"format": "parallax-probe", "version": VERSION, **asdict(self), "convention": convention}
+        levels = [{**asdict(level), "key": level.key.text} for level in self.levels]
+        document = {"format": FORMAT, "version": VERSION, **asdict(self), "levels": levels, "convention": convention}
         return json.dumps(document, indent=1) + "\n"
 
     @classmethod
     def from_json(cls, text: str, origin: str) -> Sidecar:
-        """Read a sidecar's text; `origin` names it in messages.
+        """Read a sidecar's text, of this version or an earlier one; `origin` names it in messages.
+
+        What it does not know is ignored, and what later releases of a version added has defaults.
 
         Raises:
             BakeError: it is not a sidecar, or one of a later version.
@@ -115,20 +151,75 @@ class Sidecar:
         try:
             document = json.loads(text)
             version = document["version"]
-            if document["format"] != "parallax-probe" or not isinstance(version, int):
-                raise ValueError("not a parallax-probe file")
+            if document["format"] != FORMAT or type(version) is not int or version < 1:
+                raise ValueError("not a parallax-probe file: its format or version is none")
             if version > VERSION:
                 raise BakeError(f"'{origin}' was written by a later version of the add-on; update it, or bake again")
-            fields = {name: document[name] for name in cls.__dataclass_fields__}
-            fields["levels"] = tuple(Level(**level) for level in fields["levels"])
-            for name in (*_NUMBERS, "replaced_pixels"):
-                fields[name] = tuple(fields[name])
-            for name, count in _NUMBERS.items():
-                if len(fields[name]) != count or not all(math.isfinite(number) for number in fields[name]):
-                    raise ValueError(f"'{name}' is not {count} finite numbers")
-            return cls(**fields)
-        except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
+            return cls._from_plain(migrated(document))
+        except (KeyError, TypeError, ValueError, OverflowError, RecursionError, AttributeError) as error:
             raise BakeError(f"'{origin}' is not a probe's sidecar ({error}); bake the probe again") from error
+
+    @classmethod
+    def _from_plain(cls, plain: Mapping[str, Any]) -> Sidecar:
+        x, y, z = _numbers(plain, "capture_point", 3)
+        start, end = _numbers(plain, "clip", 2)
+        return cls(
+            probe=_text(plain["probe"]),
+            uid=_text(plain["uid"]),
+            matrix=_numbers(plain, "matrix", 16),
+            capture_point=(x, y, z),
+            resolution=_whole(plain["resolution"]),
+            samples=_whole(plain["samples"]),
+            engine=_text(plain["engine"]),
+            denoise=bool(plain["denoise"]),
+            clip=(start, end),
+            seconds=_number(plain["seconds"]),
+            content_hash=_text(plain["content_hash"]),
+            blender=_text(plain["blender"]),
+            addon=_text(plain["addon"]),
+            levels=tuple(Level.from_plain(level) for level in plain["levels"]),
+            replaced_pixels=tuple(_text(words) for words in plain.get("replaced_pixels", ())),
+        )
+
+
+def migrated(document: Mapping[str, Any]) -> dict[str, Any]:
+    """A document of an earlier version as one of today's.
+
+    Raises:
+        KeyError, TypeError: it lacks what its version has.
+    """
+    document = dict(document)
+    if document["version"] == 1:  # levels had no keys: they stood in the order of their roughness
+        levels = sorted(document["levels"], key=lambda level: _number(level["roughness"]))
+        keys = [PictureKey(PictureKind.RADIANCE, k).text for k in range(len(levels))]
+        document["levels"] = [{**level, "key": key} for level, key in zip(levels, keys, strict=True)]
+        document["version"] = 2
+    return document
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} is no text")
+    return value
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise TypeError(f"{value!r} is no finite number")
+    return float(value)
+
+
+def _whole(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise TypeError(f"{value!r} is no whole number")
+    return value
+
+
+def _numbers(plain: Mapping[str, Any], name: str, count: int) -> tuple[float, ...]:
+    found = plain[name]
+    if not isinstance(found, list) or len(found) != count or not all(math.isfinite(number) for number in found):
+        raise ValueError(f"'{name}' is not {count} finite numbers")
+    return tuple(_number(number) for number in found)
 
 
 def file_stem(name: str, uid: str) -> str:
@@ -137,12 +228,30 @@ def file_stem(name: str, uid: str) -> str:
     return f"{readable}-{hashlib.blake2b(uid.encode(), digest_size=4).hexdigest()}"
 
 
-def level_file(stem: str, roughness: float) -> str:
-    """The name of a level's picture."""
-    return f"{stem}.r{round(roughness * 10000):05d}.exr"
+def level_file(stem: str, key: PictureKey, digest: str) -> str:
+    """The name of a picture: another content has another name, so that no file is ever written over by another."""
+    return f"{stem}.{key.text}.{digest[:12]}.exr"
 
 
-def move_into_place(parts: Path, target: Path, names: list[str]) -> None:
-    """Move finished files from one folder of a disk to another, the last one last; each appears whole or not at all."""
-    for name in names:
-        os.replace(parts / name, target / name)
+def digest_of(pixels: np.ndarray) -> str:
+    """A hexadecimal digest of a picture's pixels."""
+    return hashlib.blake2b(np.ascontiguousarray(pixels, np.float32).tobytes(), digest_size=16).hexdigest()
+
+
+def move_into_place(parts: Path, target: Path, names: Sequence[str]) -> None:
+    """Move finished files from one folder of a disk to another, the last one last: all of them, or none.
+
+    Raises:
+        OSError: one could not be moved; those before it that were new are gone again.
+    """
+    made: list[Path] = []
+    try:
+        for name in names:
+            is_new = not (target / name).exists()
+            os.replace(parts / name, target / name)
+            if is_new:
+                made.append(target / name)
+    except OSError:
+        for path in made:
+            path.unlink(missing_ok=True)
+        raise

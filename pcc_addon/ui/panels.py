@@ -72,6 +72,7 @@ class PCC_PT_scene(bpy.types.Panel):
         if not probes:
             layout.label(text="No probes yet", icon="INFO")
             layout.operator("pcc.probe_add", icon="LIGHTPROBE_SPHERE", text="Add Parallax Probe")
+            layout.operator("pcc.remove", icon="X")  # materials may show probes of other scenes
             return
         column = layout.column(align=True)
         for probe in probes:
@@ -83,6 +84,7 @@ class PCC_PT_scene(bpy.types.Panel):
         row.operator("pcc.bake", text="All").scope = "ALL"
         row.operator("pcc.bake", text="Selected").scope = "SELECTED"
         column = layout.column(align=True)
+        column.operator("pcc.plan", icon="PRESET")
         column.operator("pcc.inject", icon="MATERIAL")
         column.operator("pcc.remove", icon="X")
         layout.prop(context.scene.pcc, "roughness_limit")

@@ -7,14 +7,17 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pcc_addon.core.cubemap import FACES
 from pcc_addon.core.errors import BakeError
-from pcc_addon.core.sidecar import VERSION, Level, Sidecar, file_stem, level_file, move_into_place
+from pcc_addon.core.pictures import PictureKey, PictureKind
+from pcc_addon.core.sidecar import VERSION, Level, Sidecar, digest_of, file_stem, level_file, move_into_place
 
+KEYS = [PictureKey(PictureKind.RADIANCE, k) for k in range(8)]
 RECORD = Sidecar(
     probe="Höhle / 洞窟",
     uid="5b0c",
@@ -29,7 +32,7 @@ RECORD = Sidecar(
     content_hash="abc123",
     blender="5.2.3",
     addon="0.1.0",
-    levels=(Level(0.0, "a.exr", 2048, 1024), Level(0.3, "b.exr", 512, 256)),
+    levels=(Level(KEYS[0], 0.0, "a.exr", 2048, 1024), Level(KEYS[1], 0.3, "b.exr", 512, 256, 4711, "0a")),
     replaced_pixels=("face +X: 1 negative pixels were replaced",),
 )
 
@@ -57,7 +60,17 @@ def test_what_is_written_comes_back() -> None:
     probe=st.text(),
     numbers=st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 3),
     levels=st.lists(
-        st.builds(Level, st.floats(0.0, 1.0), st.text(), st.integers(1, 9999), st.integers(1, 9999)), max_size=3
+        st.builds(
+            Level,
+            st.sampled_from(KEYS),
+            st.floats(0.0, 1.0),
+            st.text(),
+            st.integers(1, 9999),
+            st.integers(1, 9999),
+            st.integers(0, 10**9),
+            st.text(),
+        ),
+        max_size=3,
     ),
     words=st.lists(st.text(), max_size=3),
 )
@@ -79,6 +92,43 @@ def test_the_text_explains_itself_to_other_programs() -> None:
 
 def test_what_a_later_release_of_this_version_adds_is_ignored() -> None:
     assert Sidecar.from_json(edited(mood="sunny"), "here") == RECORD
+    levels = [{**level, "mood": "sunny"} for level in json.loads(RECORD.to_json())["levels"]]
+    assert Sidecar.from_json(edited(levels=levels), "here") == RECORD
+
+
+def test_what_may_be_missing_has_a_default() -> None:
+    assert Sidecar.from_json(edited(replaced_pixels=...), "here").replaced_pixels == ()
+    levels = [
+        {k: v for k, v in level.items() if k not in ("size", "digest")} for level in json.loads(edited())["levels"]
+    ]
+    found = Sidecar.from_json(edited(levels=levels), "here").levels
+    assert [(level.size, level.digest) for level in found] == [(0, ""), (0, "")]
+
+
+def test_a_record_of_the_first_version_gets_keys_in_the_order_of_roughness() -> None:
+    level = {"roughness": 0.3, "file": "b.exr", "width": 512, "height": 256}
+    sharp = {"roughness": 0.0, "file": "a.exr", "width": 2048, "height": 1024}
+    found = Sidecar.from_json(edited(version=1, levels=[level, sharp]), "here")
+    assert [(level.key, level.file) for level in found.levels] == [(KEYS[0], "a.exr"), (KEYS[1], "b.exr")]
+    assert Sidecar.from_json(found.to_json(), "here") == found
+
+
+@pytest.mark.parametrize("version", [0, -1, True, 1.5])
+def test_a_version_that_never_was_is_refused(version: object) -> None:
+    assert "version" in refusal(edited(version=version))
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.floats() | st.text(), lambda c: st.lists(c) | st.dictionaries(st.text(), c)
+    )
+)
+def test_a_tampered_record_is_refused_or_read_but_never_anything_else(value: object) -> None:
+    for key in json.loads(RECORD.to_json()):
+        try:
+            Sidecar.from_json(edited(**{key: value}), "hall.json")
+        except BakeError as error:
+            assert "'hall.json'" in str(error)
 
 
 @pytest.mark.parametrize("version", [VERSION + 1, VERSION + 100])
@@ -86,7 +136,9 @@ def test_a_later_version_is_refused_before_anything_else_of_it_is_read(version: 
     assert "later version" in refusal(edited(version=version, levels="packed differently", matrix=...))
 
 
-@pytest.mark.parametrize("key", ["format", "version", *(f.name for f in dataclasses.fields(Sidecar))])
+@pytest.mark.parametrize(
+    "key", ["format", "version", *(f.name for f in dataclasses.fields(Sidecar) if f.name != "replaced_pixels")]
+)
 def test_a_record_with_something_missing_is_refused(key: str) -> None:
     assert key in refusal(edited(**{key: ...}))
 
@@ -109,7 +161,7 @@ def test_a_record_with_something_missing_is_refused(key: str) -> None:
         edited(levels=None),
         edited(levels=[3]),
         edited(levels=[{"roughness": 0.5}]),
-        edited(levels=[{"roughness": 0.5, "file": "f", "width": 2, "height": 1, "depth": 3}]),
+        edited(levels=[{"key": "mood-1", "roughness": 0.5, "file": "f", "width": 2, "height": 1}]),
         edited(matrix=None),
         edited(clip=5.0),
     ],
@@ -150,7 +202,7 @@ def test_a_stem_is_a_safe_file_name_on_every_system(name: str, uid: str) -> None
 def test_names_with_a_meaning_of_their_own_lose_it(name: str) -> None:
     stem = file_stem(name, "5b0c")
     assert SAFE.fullmatch(stem)
-    assert level_file(stem, 0.5).split(".")[0].upper() not in RESERVED
+    assert level_file(stem, KEYS[0], "00").split(".")[0].upper() not in RESERVED
 
 
 def test_a_readable_name_can_still_be_read() -> None:
@@ -166,10 +218,13 @@ def test_different_probes_never_share_a_stem_and_one_probe_keeps_its() -> None:
     assert file_stem("洞", "a") != file_stem("穴", "b")
 
 
-def test_levels_told_apart_by_four_digits_have_files_of_their_own_in_order() -> None:
-    files = [level_file("stem", k / 10000) for k in range(10001)]
+def test_pictures_that_differ_in_anything_have_names_of_their_own() -> None:
+    pixels = np.zeros((2, 4, 3), np.float32)
+    other = pixels.copy()
+    other[1, 2, 0] = 1e-30
+    assert digest_of(pixels) != digest_of(other)
+    files = [level_file("stem", key, digest_of(p)) for key in KEYS for p in (pixels, other)]
     assert len(set(files)) == len(files)
-    assert files == sorted(files)
     assert {Path(file).suffix for file in files} == {".exr"}
 
 
@@ -194,3 +249,15 @@ def test_where_a_picture_is_missing_the_record_is_not_replaced(tmp_path: Path) -
     with pytest.raises(FileNotFoundError):
         move_into_place(parts, target, ["a.exr", "a.json"])
     assert (target / "a.json").read_text() == "old"
+
+
+def test_where_one_file_cannot_be_moved_those_before_it_are_gone_again(tmp_path: Path) -> None:
+    parts, target = tmp_path / "parts", tmp_path / "target"
+    parts.mkdir(), target.mkdir()
+    for name in ("a.exr", "b.exr", "a.json"):
+        (parts / name).write_text("new")
+    (target / "b.exr").mkdir()
+    (target / "b.exr" / "something").write_text("in the way")
+    with pytest.raises(OSError):
+        move_into_place(parts, target, ["a.exr", "b.exr", "a.json"])
+    assert [path.name for path in target.iterdir()] == ["b.exr"]

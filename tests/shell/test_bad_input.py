@@ -81,6 +81,60 @@ def test_a_file_that_is_no_blend_is_named(capfd: pytest.CaptureFixture[str], tmp
     assert path.read_text() == "Dear Sir"
 
 
+@pytest.mark.parametrize("samples", ["2147483648", "99999999999999999999", "0", "-1"])
+def test_samples_beyond_all_bounds_are_told_in_one_line(
+    capfd: pytest.CaptureFixture[str], blend: Path, samples: str
+) -> None:
+    code, lines = run(capfd, "bake", blend, f"--samples={samples}")
+    assert code == 1 and len(lines) == 1 and f"--samples {samples}" in lines[0]
+
+
+@pytest.mark.parametrize("option", [[], ["--output"]])
+def test_a_name_longer_than_the_system_allows_is_told_in_one_line(
+    capfd: pytest.CaptureFixture[str], blend: Path, option: list[str]
+) -> None:
+    long = blend.parent / f"{'x' * 300}.blend"
+    code, lines = run(capfd, "bake", *([blend, *option, long] if option else [long]))
+    assert code == 1 and len(lines) == 1 and "xxx" in lines[0]
+
+
+def test_a_file_that_comes_out_torn_leaves_the_one_before(
+    capfd: pytest.CaptureFixture[str], blend: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on a full disk, where Blender reports success."""
+    from pcc_addon.blender import saving
+
+    load = bpy.data.libraries.load
+
+    def torn(path: str) -> object:
+        Path(path).write_bytes(Path(path).read_bytes()[:-2000])
+        return load(path)
+
+    class Data:
+        class libraries:
+            load = staticmethod(torn)
+
+    class Torn:
+        ops, context, data = bpy.ops, bpy.context, Data
+
+    monkeypatch.setattr(saving, "bpy", Torn)
+    before = blend.read_bytes()
+    code, lines = run(capfd, "remove", blend, "--save")
+    assert code == 1 and len(lines) == 1 and "cannot be saved" in lines[0]
+    assert blend.read_bytes() == before
+    assert [p.name for p in blend.parent.iterdir() if "unfinished" in p.name] == []
+
+
+def test_nothing_is_saved_where_nothing_was_baked(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    for probe in [o for o in bpy.data.objects if o.pcc_probe.is_probe]:
+        probe.scale.x = 0.0
+    bpy.ops.wm.save_mainfile()
+    before = blend.read_bytes()
+    code, _ = run(capfd, "bake", blend, "--save")
+    assert code == 1 and blend.read_bytes() == before
+
+
 def test_a_scene_without_probes_says_how_to_add_one(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     empty_scene()
     path = tmp_path / "bare.blend"

@@ -98,3 +98,24 @@ def test_an_interrupted_bake_ends_with_130_and_saves_nothing(blend: Path) -> Non
     assert process.wait(timeout=120) == 130
     assert blend.read_bytes() == before
     assert not list(blend.with_suffix(".pcc").glob("**/*"))
+
+
+def test_the_plan_names_probes_materials_objects_and_reasons(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    code, found = events(capfd, "plan", blend)
+    assert code == 0
+    [mirror] = [e for e in found if e.get("material") == "Mirror"]
+    assert mirror["objects"] == [{"object": "Wall -Z", "probe": name} for name in ("Other", "Room")], "of one box"
+    assert mirror["surfaces"][0]["effects"] and mirror["surfaces"][0]["reasons"]
+    glow = [e for e in found if str(e.get("material", "")).startswith("Glow")]
+    assert glow and all(not e["probes"] and e["reasons"] for e in glow)
+    probes = [e for e in found if e.get("about") == "probe"]
+    assert len(probes) == 2 and all("radiance-0" in e["pictures"] and e["reasons"] for e in probes)
+
+
+def test_the_plan_is_readable_and_the_operator_tells_the_same(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    capfd.readouterr()
+    assert run_in_blender(["plan", str(blend)]) == 0
+    text = capfd.readouterr().out
+    assert "material 'Mirror': 'Other'" in text and "object 'Wall -Z' shows" in text
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    assert bpy.ops.pcc.plan() == {"FINISHED"}

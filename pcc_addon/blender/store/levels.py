@@ -13,6 +13,7 @@ import numpy as np
 
 from ...core import sidecar
 from ...core.errors import BakeError
+from ...core.pictures import PictureKey, PictureKind
 from ...core.prefilter import prefilter
 from ..read.probes import bake_record
 from . import pictures
@@ -48,14 +49,13 @@ def store(
         BakeError: the folder or a file cannot be written; what was there before is untouched.
     """
     stem = sidecar.file_stem(probe.name, record.uid)
-    described = tuple(
-        sidecar.Level(r, sidecar.level_file(stem, r), levels[r].shape[1], levels[r].shape[0]) for r in sorted(levels)
-    )
-    record = replace(record, levels=described)
+    described = tuple(_described(stem, k, r, levels[r]) for k, r in enumerate(sorted(levels)))
     with ExitStack() as stack:
         parts = _folder_for_parts(stack, folder)
         for level in described:
             pictures.write_file(parts / level.file, levels[level.roughness])
+        described = tuple(replace(level, size=(parts / level.file).stat().st_size) for level in described)
+        record = replace(record, levels=described)
         if folder is None:
             images = {level.roughness: _packed(parts / level.file, probe, level) for level in described}
         else:
@@ -67,6 +67,12 @@ def store(
                 raise BakeError(_cannot_write(probe, folder, error)) from error
             images = {level.roughness: _linked(folder / level.file, probe, level) for level in described}
     _keep(probe, record, images)
+
+
+def _described(stem: str, k: int, roughness: float, picture: np.ndarray) -> sidecar.Level:
+    key, digest = PictureKey(PictureKind.RADIANCE, k), sidecar.digest_of(picture)
+    height, width = picture.shape[:2]
+    return sidecar.Level(key, roughness, sidecar.level_file(stem, key, digest), width, height, 0, digest)
 
 
 def ensure_levels(
@@ -105,11 +111,33 @@ def check_folder(folder: Path | None) -> None:
         _folder_for_parts(stack, folder)
 
 
-def missing_files(probe: bpy.types.Object) -> list[str]:
-    """The paths of a probe's pictures that are neither packed nor on disk."""
-    images = [level.image for level in probe.pcc_probe.levels if level.image]
-    paths = [Path(bpy.path.abspath(image.filepath)) for image in images if not image.packed_file]
-    return [str(path) for path in paths if not path.is_file()]
+def faulty_picture(probe: bpy.types.Object, record: sidecar.Sidecar) -> str:
+    """What is wrong with the first picture of a probe that is not what its record says; empty: nothing."""
+    images = {round(level.roughness, 4): level.image for level in probe.pcc_probe.levels}
+    for level in record.levels:
+        image = images.get(round(level.roughness, 4))
+        if image is None:
+            return f"its picture of roughness {level.roughness:.3g} is missing from the file"
+        fault = _fault_of(image, level)
+        if fault:
+            return fault
+    return ""
+
+
+def _fault_of(image: bpy.types.Image, level: sidecar.Level) -> str:
+    if image.packed_file:
+        torn = level.size and image.packed_file.size != level.size
+        return f"its packed picture '{image.name}' is not the one that was baked" if torn else ""
+    path = Path(bpy.path.abspath(image.filepath))
+    if not path.is_file():
+        return f"its picture '{path}' is missing"
+    if path.name != level.file:
+        return f"its picture '{path}' is that of another bake"
+    if level.size and path.stat().st_size != level.size:
+        return f"its picture '{path}' is not the one that was baked: it has another size"
+    if not level.size and not pictures.is_whole(path, level.width, level.height):
+        return f"its picture '{path}' cannot be read"
+    return ""
 
 
 def _folder_for_parts(stack: ExitStack, folder: Path | None) -> Path:

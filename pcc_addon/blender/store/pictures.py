@@ -68,7 +68,7 @@ def write_file(path: Path, picture: np.ndarray) -> None:
             image.save_render(str(path), scene=scene)
         except RuntimeError as error:
             raise BakeError(_cannot_write(path, error)) from error
-    if not _is_whole(path, width, height):
+    if not is_whole(path, width, height):
         path.unlink(missing_ok=True)
         raise BakeError(_cannot_write(path, "the file came out incomplete"))
 
@@ -77,7 +77,7 @@ def _cannot_write(path: Path, why: object) -> str:
     return f"cannot write '{path}' ({str(why).strip()}); free space on the disk or choose another folder"
 
 
-def _is_whole(path: Path, width: int, height: int) -> bool:
+def is_whole(path: Path, width: int, height: int) -> bool:
     """Whether an EXR file can be read back; a full disk may leave a torn one without an error."""
     if not path.is_file() or not path.stat().st_size:
         return False
