@@ -210,7 +210,7 @@ def _bake(options: argparse.Namespace, voice: _Voice) -> int:
         if result.error is None:
             text = f"baked '{result.probe}' in {result.seconds:.1f} s"
             voice.event("baked", text, **asdict(result))
-            for line in result.replaced_pixels:
+            for line in (*result.replaced_pixels, *result.warnings):
                 voice.event("note", f"probe '{result.probe}': {line}", probe=result.probe, note=line)
         else:
             failures += 1

@@ -167,7 +167,7 @@ class PCC_OT_bake(bpy.types.Operator):
             self.report({"WARNING"}, f"{line}; the bake shows it in pink")
         done = [r for r in results if r.error is None]
         for result in done:
-            for line in result.replaced_pixels:
+            for line in (*result.replaced_pixels, *result.warnings):
                 self.report({"WARNING"}, f"probe '{result.probe}': {line}")
         if done:
             listing = ", ".join(f"'{r.probe}' in {r.seconds:.1f} s" for r in done)

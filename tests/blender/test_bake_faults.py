@@ -110,3 +110,37 @@ def test_pixels_that_no_picture_should_hold_are_counted_and_replaced(scene, monk
     assert bake_record(probe).replaced_pixels == result.replaced_pixels
     image = picture(probe)
     assert np.isfinite(image).all() and image.min() >= 0.0 and image.max() == 65504.0
+
+
+def test_a_render_result_of_another_name_is_found(scene) -> None:
+    probe = small_room()
+    bake(probe)
+    bpy.data.images["Render Result"].name = "Mine"
+    [result] = bake(probe)
+    assert result.error is None
+
+
+def test_a_damaged_record_is_mended_by_baking_again(scene) -> None:
+    probe = small_room()
+    bake(probe)
+    probe.pcc_probe.bake_record = "{"
+    [result] = bake(probe)
+    assert result.error is None and probe.pcc_probe.bake_record.startswith("{\n")
+
+
+def test_a_capture_point_inside_a_cupboard_is_told_with_its_name_and_a_better_place(scene) -> None:
+    probe = small_room()
+    bpy.ops.mesh.primitive_cube_add(size=0.6, location=probe.location)
+    bpy.context.object.name = "Cupboard"
+    [result] = bake(probe)
+    assert result.error is None
+    [warning] = result.warnings
+    assert "nearly black" in warning and "'Cupboard'" in warning and "capture offset of (" in warning
+    probe.pcc_probe.capture_offset = [float(c) for c in re.search(r"\((.*?)\)", warning)[1].split(",")]
+    [result] = bake(probe)
+    assert result.warnings == ()
+
+
+def test_a_lit_room_has_no_warning(scene) -> None:
+    [result] = bake(small_room())
+    assert result.warnings == ()

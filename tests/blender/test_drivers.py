@@ -100,6 +100,11 @@ def test_the_box_follows_the_object(probe, matrix) -> None:
     assert any(not np.array_equal(before[name], values) for name, values in box(probe).items())
 
 
+def test_the_box_follows_the_size_that_the_empty_is_drawn_with(probe) -> None:
+    probe.empty_display_size = 2.5
+    check_box(probe)
+
+
 def test_the_box_follows_a_parent_that_shears_it(probe) -> None:
     parent = bpy.data.objects.new("Parent", None)
     bpy.context.scene.collection.objects.link(parent)

@@ -9,6 +9,7 @@ import pytest
 from mathutils import Euler, Matrix, Vector
 
 from pcc_addon.blender.read.probes import probe_spec
+from tests.blender.helpers import small_probe
 
 ARGUMENTS = {
     "name": "Hall",
@@ -126,3 +127,18 @@ def test_the_operator_says_why_it_cannot_run_in_edit_mode(scene) -> None:
     with pytest.raises(RuntimeError, match="Object Mode"):
         bpy.ops.pcc.probe_add(**ARGUMENTS)
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_the_box_is_what_is_drawn_when_the_scale_is_applied_or_the_size_edited(scene) -> None:
+    """Applying an uneven scale makes Blender draw another cube: the box follows the drawing."""
+    probe = small_probe(half_extents=(2.0, 1.0, 0.5))
+    probe.select_set(True)
+    bpy.context.view_layer.objects.active = probe
+    bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
+    bpy.context.view_layer.update()
+    assert tuple(probe.scale) == (1.0, 1.0, 1.0)
+    assert probe_spec(probe).box.half_extents == pytest.approx([probe.empty_display_size] * 3)
+    probe.empty_display_size = 0.25
+    probe.scale = (4.0, 8.0, 2.0)
+    bpy.context.view_layer.update()
+    assert probe_spec(probe).box.half_extents == pytest.approx([1.0, 2.0, 0.5])

@@ -66,7 +66,7 @@ class Stage:
         result = bpy.ops.render.render(scene=self.scene.name, layer=self.view_layer.name)
         if "FINISHED" not in result:
             raise Cancelled(f"probe '{probe.name}': rendering face {FACES[index].name} was stopped")
-        image = bpy.data.images["Render Result"]
+        image = _render_result()
         path = self._folder / "face.exr"
         image.save_render(str(path), scene=self.scene)
         picture = pictures.read_file(path)
@@ -84,6 +84,11 @@ class Stage:
             override(stack, self.scene.cycles, "samples", 1)
             override(stack, self.scene.cycles, "use_denoising", False)
             return self.face(probe, index)
+
+
+def _render_result() -> bpy.types.Image | None:
+    """The image that renders appear in, whatever the user has called it; None before the first render."""
+    return next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
 
 
 def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
@@ -106,7 +111,7 @@ def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
         ("dither_intensity", 0.0),
     ):
         override(stack, render, name, value)
-    results = bpy.data.images.get("Render Result")
+    results = _render_result()
     if results is not None and len(results.render_slots) > 1:  # keep the picture that the user is looking at
         override(stack, results.render_slots, "active_index", len(results.render_slots) - 1)
 

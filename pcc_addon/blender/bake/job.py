@@ -31,6 +31,7 @@ from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
 from ..store import levels
 from .capture import OVERSCAN, Stage
+from .surroundings import black_capture, is_nearly_black
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class BakedProbe:
         seconds: of rendering and assembling.
         files: the pictures' paths; empty where they are packed.
         replaced_pixels: what was wrong in the capture, in words.
+        warnings: what the user should know of it, in words.
     """
 
     probe: str
@@ -50,6 +52,7 @@ class BakedProbe:
     seconds: float = 0.0
     files: tuple[str, ...] = ()
     replaced_pixels: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -192,6 +195,8 @@ class BakeJob:
                 replaced += [str(bad)] if bad else []
         yield "assembling"
         pictures = {0.0: equirect.from_faces(faces, OVERSCAN)}
+        black = is_nearly_black(pictures[0.0])
+        warnings = (black_capture(spec, self._scene, self._view_layer),) if black else ()
         for roughness in task.roughnesses:
             if roughness > 0.0:
                 yield f"roughness {roughness:.3g}"
@@ -211,7 +216,7 @@ class BakeJob:
         refresh_group(probe, task.plan.all_inside, task.plan.shares)
         images = [level.image for level in probe.pcc_probe.levels]
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
-        self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced)))
+        self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced), warnings))
 
 
 def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:

@@ -50,7 +50,7 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
     settings = probe.pcc_probe
     return ProbeSpec(
         name=probe.name,
-        box=Box.from_matrix(probe.name, np.array(probe.matrix_world, np.float64)),
+        box=Box.from_matrix(probe.name, _drawn_cube(probe)),
         capture_offset=tuple(settings.capture_offset),
         resolution=settings.resolution,
         samples=settings.samples,
@@ -65,6 +65,15 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         hidden=tuple(o.name for o in hidden_objects(probe)),
         animated=is_animated(probe),
     )
+
+
+def _drawn_cube(probe: bpy.types.Object) -> np.ndarray:
+    """(4, 4): from [−1, 1]³ to the cube that the empty is drawn as, in world space.
+
+    Applying the scale of an empty, or editing its size, changes what is drawn by the display size.
+    """
+    size = probe.empty_display_size
+    return np.array(probe.matrix_world, np.float64) @ np.diag([size, size, size, 1.0])
 
 
 def is_animated(item: bpy.types.Object | None) -> bool:
