@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parent
 VENVS = ROOT / ".venvs"
 # Blender version: the Python that its bpy wheel is for. The last one whose Python is found is the default.
 BLENDERS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
-TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*"]
+TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*"]
 FIGURES = ["matplotlib==3.*", "pillow>=11"]
 RUFF = "ruff==0.14.*"
 

@@ -1,0 +1,1 @@
+"""The formulas as GLSL: compiled, and run."""

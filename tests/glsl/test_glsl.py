@@ -1,0 +1,122 @@
+"""Printed formulas compile, and compute what NumPy computes: the published vectors, pictures and surfaces."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects import lookup
+from pcc_addon.core.effects.dielectric import Dielectric
+from pcc_addon.core.effects.metal import Metal
+from pcc_addon.core.effects.multiscatter import Multiscatter
+from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
+from pcc_addon.core.effects.roughness import mixed_formula
+from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
+from pcc_addon.core.expression import Formula
+from tests.conformance.reference import angle
+from tests.core.boxes import directions
+from tests.glsl.shaders import run, vertex_shader
+
+VECTORS = Path(__file__).parents[1] / "vectors" / "lookup.json"
+LOOKUPS = [LookupEffects(c, o) for c in Correction for o in (*Outside, None) if c is not Correction.NONE]
+FORMULAS = [
+    lookup.probe(LookupEffects(Correction.NONE, None, False), {"Level 0": 32}),
+    *(lookup.probe(effects, {"Level 0": 64, "Level 1": 32}, shares=True) for effects in LOOKUPS),
+    mixed_formula((0.0, 0.1, 0.3)),
+    surface_formula(SurfaceEffects((Multiscatter(), Dielectric.of(1.5, None), Metal(tinted=True)))),
+]
+
+
+@pytest.mark.skipif(not shutil.which("glslangValidator"), reason="needs glslangValidator (Debian: glslang-tools)")
+@pytest.mark.parametrize("version", ["330 core", "300 es"])
+@pytest.mark.parametrize("formula", FORMULAS, ids=lambda f: f.title[:30])
+def test_the_text_is_valid(tmp_path: Path, formula: Formula, version: str) -> None:
+    precision = "precision highp float;\nprecision highp sampler2D;\n" if version.endswith("es") else ""
+    path = tmp_path / "formula.vert"
+    path.write_text(f"#version {version}\n{precision}{vertex_shader(formula)}")
+    checked = subprocess.run(["glslangValidator", path], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout
+
+
+@pytest.fixture(scope="module")
+def driver() -> None:
+    """Something that runs shaders."""
+    pytest.importorskip("moderngl", reason="needs moderngl")
+    import moderngl
+
+    try:
+        moderngl.create_standalone_context(backend="egl").release()
+    except Exception as error:  # the drivers of this machine decide which
+        pytest.skip(f"no OpenGL here: {error}")
+
+
+def test_it_passes_the_published_vectors(driver: None) -> None:
+    cases = json.loads(VECTORS.read_text(encoding="utf-8"))["cases"]
+    column = {name: np.array([case[name] for case in cases]) for name in cases[0] if name != "family"}
+    inputs = {
+        "Position": column["position"],
+        "Incoming": column["incoming"],
+        "Normal": column["normal"],
+        "Box Centre": column["centre"],
+        **{f"Face Normal {axis}": column["face_normals"][:, k] for k, axis in enumerate("XYZ")},
+        "Half Widths": column["half_widths"],
+        "Capture Point": column["capture_point"],
+    }
+    formula = lookup.lookup_formula(LookupEffects(Correction.ORIENTED_BOX, None, True))
+    found = run(formula, inputs)["Direction"].astype(np.float64)
+    assert (angle(found, column["direction"]) <= column["tolerance"]).all()
+
+
+def points(count: int) -> dict[str, np.ndarray]:
+    """Points in and around a box of 4 × 3 × 2 m, seen from everywhere."""
+    rng = np.random.default_rng(5)
+    return {
+        "Position": rng.uniform(-1.1, 1.1, (count, 3)) * (2.0, 1.5, 1.0) + (3.0, -2.0, 1.0),
+        "Incoming": directions(count, rng),
+        "Normal": directions(count, rng),
+        "Box Centre": np.broadcast_to((3.0, -2.0, 1.0), (count, 3)),
+        **{f"Face Normal {axis}": np.broadcast_to(np.eye(3)[k], (count, 3)) for k, axis in enumerate("XYZ")},
+        "Half Widths": np.broadcast_to((2.0, 1.5, 1.0), (count, 3)),
+        "Capture Point": np.broadcast_to((3.2, -2.0, 1.1), (count, 3)),
+        "Padding": np.full(count, 0.01),
+        "Falloff": np.full(count, 0.25),
+    }
+
+
+@pytest.mark.parametrize("outside", [Outside.BLACK, Outside.UNCORRECTED, None])
+def test_a_probe_shows_the_radiance_that_numpy_reads_from_its_pictures(driver: None, outside: Outside | None) -> None:
+    effects = LookupEffects(Correction.ORIENTED_BOX, outside, True)
+    formula = lookup.probe(effects, {"Level 0": 64}, shares=True)
+    rows, columns = np.mgrid[0:64, 0:128]
+    smooth = np.stack([np.sin(columns * np.pi / 32.0), np.cos(rows * np.pi / 64.0), rows / 64.0], -1) + 1.0
+    pictures = {"Level 0": smooth.astype(np.float32)}
+    inputs = points(2000)
+    found, expected = run(formula, inputs, pictures), evaluate(formula.outputs, inputs, np.float32, pictures)
+    np.testing.assert_allclose(found["Depth"], expected["Depth"], atol=1e-5)
+    np.testing.assert_allclose(found["Level 0"], expected["Level 0"], atol=0.01)  # drivers filter with 8 bits
+
+
+def test_a_surface_reflects_what_numpy_says(driver: None) -> None:
+    rng = np.random.default_rng(6)
+    count = 2000
+    normal, incoming = directions(count, rng), directions(count, rng)
+    inputs = {
+        "Radiance": rng.random((count, 3)),
+        "Base Color": rng.random((count, 3)),
+        "Metallic": rng.random(count),
+        "Roughness": rng.random(count) * 0.6,
+        "Specular IOR Level": rng.random(count),
+        "Specular Tint": rng.random((count, 3)),
+        "Normal": normal,
+        "Incoming": incoming * np.sign((normal * incoming).sum(-1, keepdims=True)),
+    }
+    formula = FORMULAS[-1]
+    found, expected = run(formula, inputs), evaluate(formula.outputs, inputs)
+    for name, values in expected.items():
+        np.testing.assert_allclose(found[name], values, atol=2e-4)
