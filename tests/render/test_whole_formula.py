@@ -1,0 +1,97 @@
+"""One expression leads from a surface point to its radiance: with the .exr files, NumPy computes the rendered pixel."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+
+from benchmarks.measure import render
+from pcc_addon.blender.read.probes import bake_record, probe_spec
+from pcc_addon.blender.store.pictures import read_file
+from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects import lookup
+from pcc_addon.core.effects.metal import Metal
+from pcc_addon.core.effects.records import Outside
+from pcc_addon.core.effects.roughness import mixed, neighbours
+from pcc_addon.core.effects.shading import ROUGHNESS
+from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
+from pcc_addon.core.expression import Formula
+from sample_blends.scenes import add_camera, principled_node
+from tests.blender.helpers import ROOM, bake, pictures_of, put_in, save, small_room
+
+WIDTH, HEIGHT = 32, 18
+
+
+def whole(probe: bpy.types.Object, roughness: float, all_inside: bool) -> Formula:
+    """From position, view and normal to the radiance that a metal sends to the eye."""
+    record, spec = bake_record(probe), probe_spec(probe)
+    effects = spec.effects(all_inside, record.capture_point)
+    rungs = [level.roughness for level in record.levels]
+    levels = neighbours(rungs, roughness, roughness)
+    known = {
+        "Capture Point": record.capture_point,
+        "Padding": spec.influence_padding,
+        "Falloff": spec.influence_falloff,
+        "Box Centre": tuple(spec.box.centre),
+        "Half Widths": tuple(spec.box.half_widths),
+    }
+    read = lookup.probe(effects, {f"Level {i}": record.levels[k].height for i, k in enumerate(levels)}, known)
+    mix = Formula("Mix", {"Radiance": mixed([rungs[k] for k in levels], ROUGHNESS)})
+    shown = read()
+    given = {f"Level_{i}": shown[f"Level {i}"] for i in range(len(levels)) if f"Level {i}" in mix.inputs}
+    lit = surface_formula(SurfaceEffects((Metal(pure=True),)))
+    return Formula("Whole", {"Radiance": lit(Radiance=mix(**given)["Radiance"])["Reflection"]})
+
+
+def seen_floor(camera: bpy.types.Object, floor_z: float) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) points of the floor behind the pixels' centres, and (n, 3) unit directions from them to the eye."""
+    frame = [camera.matrix_world @ corner for corner in camera.data.view_frame(scene=bpy.context.scene)]
+    right, _, left, top = (np.array(corner) for corner in frame)  # upper right, lower right, lower left, upper left
+    eye = np.array(camera.matrix_world.translation)
+    u, v = np.meshgrid((np.arange(WIDTH) + 0.5) / WIDTH, (np.arange(HEIGHT) + 0.5) / HEIGHT)
+    target = left + u[..., None] * (right - top) + v[..., None] * (top - left)
+    ray = (target - eye).reshape(-1, 3)
+    ray /= np.linalg.norm(ray, axis=-1, keepdims=True)
+    return eye + ray * ((floor_z - eye[2]) / ray[:, 2:]), -ray
+
+
+@pytest.mark.parametrize("outside", [None, Outside.BLACK])
+@pytest.mark.parametrize("roughness", [0.0, 0.13])
+def test_numpy_computes_the_rendered_pixel_from_the_pictures(scene, tmp_path, roughness, outside) -> None:
+    probe = small_room()
+    probe.pcc_probe.resolution = 64
+    node = principled_node(bpy.data.materials["Floor"])
+    node.inputs["Metallic"].default_value, node.inputs["Roughness"].default_value = 1.0, roughness
+    node.inputs["Base Color"].default_value = (0.8, 0.6, 0.4, 1.0)
+    node.distribution = "GGX"
+    if outside is not None:  # the floor lies in the fade
+        probe.pcc_probe.outside, probe.pcc_probe.falloff = outside.value, 0.5
+        probe.location.z += 0.2
+    save(tmp_path / "room.blend")
+    bake(probe)
+    put_in()
+    floor_z = ROOM.centre[2] - ROOM.half_extents[2]
+    camera = add_camera(ROOM.world(-0.5, -0.4, 0.6), Vector(ROOM.world(0.3, 0.2, -1.0)), 30.0, WIDTH, HEIGHT)
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", 0.01
+    bpy.context.view_layer.update()
+    rendered = render(scene, samples=1).pixels.reshape(-1, 3)
+    position, incoming = seen_floor(camera, floor_z)
+    levels = neighbours([level.roughness for level in bake_record(probe).levels], roughness, roughness)
+    files = {f"Level {i}": read_file(pictures_of(probe)[k]) for i, k in enumerate(levels)}
+    inputs = {
+        "Position": position,
+        "Incoming": incoming,
+        "Normal": np.broadcast_to((0.0, 0.0, 1.0), position.shape),
+        "Base Color": np.broadcast_to((0.8, 0.6, 0.4), position.shape),
+        "Metallic": 1.0,
+        "Roughness": roughness,
+    }
+    formula = whole(probe, roughness, outside is None)
+    expected = evaluate(formula.outputs, inputs, np.float32, files)["Radiance"]
+    assert expected.std() > 0.1 or outside is not None
+    # The filter is a hundredth of a pixel wide, over which a picture of so few texels changes by this much.
+    on_floor = (np.abs(position - ROOM.centre)[:, :2] < np.array(ROOM.half_extents)[:2] - 0.05).all(-1)
+    assert on_floor.mean() > 0.9
+    np.testing.assert_allclose(rendered[on_floor], expected[on_floor], atol=1e-3)
