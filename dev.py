@@ -3,7 +3,7 @@
 
 python3 dev.py demo                 bake the gallery sample, render it three ways, make one labelled picture
 python3 dev.py test [PYTEST ARG…]   run the tests (--blender 4.5|5.0|5.2, --all for every version, --heavy)
-python3 dev.py lint                 ruff: format and lint
+python3 dev.py lint                 ruff: format and lint; mypy: types in core
 python3 dev.py build                build and validate the extension's zip into build/
 python3 dev.py samples              rebuild sample_blends/*.blend
 python3 dev.py run SCRIPT [ARG…]    run a script of this repository (benchmarks, docs) with Blender as a module
@@ -28,6 +28,7 @@ BLENDERS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
 TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*"]
 FIGURES = ["matplotlib==3.*", "pillow>=11"]
 RUFF = "ruff==0.14.*"
+TYPES = ["mypy==1.*", "numpy==2.*"]
 
 
 def main() -> int:
@@ -56,9 +57,11 @@ def test(options: argparse.Namespace, rest: list[str]) -> int:
 
 
 def lint(options: argparse.Namespace, rest: list[str]) -> int:
-    python = environment("lint", Path(sys.executable), [RUFF])
+    python = environment("lint", Path(sys.executable), [RUFF, *TYPES])
     return max(
-        call(python, "-m", "ruff", "format", *(rest or ["--check", "."])), call(python, "-m", "ruff", "check", ".")
+        call(python, "-m", "ruff", "format", *(rest or ["--check", "."])),
+        call(python, "-m", "ruff", "check", "."),
+        call(python, "-m", "mypy"),
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import bpy
 
 from ..core.errors import PccError
-from . import marks
+from . import marks, properties
 from .read.probes import all_probes, bake_record, probe_spec
 from .shade import groups, live, probe_group
 
@@ -63,6 +63,12 @@ def on_load(*_: object) -> None:
     bring_all_up_to_date(bpy.context.scene)
 
 
+def on_shader_setting(probe: bpy.types.Object) -> None:
+    """Show a changed setting at once in the materials that show the probe."""
+    with contextlib.suppress(PccError):  # a faulty transform is reported when the probe is baked
+        probe_group.refresh_group(probe)
+
+
 def bring_all_up_to_date(scene: bpy.types.Scene) -> None:
     """Every material that shows probes."""
     for material in bpy.data.materials:
@@ -112,8 +118,10 @@ _HANDLERS = (
 def register() -> None:
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)
+    properties.shader_listeners.append(on_shader_setting)
 
 
 def unregister() -> None:
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(handler)
+    properties.shader_listeners.remove(on_shader_setting)

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 
 from ..core.effects.records import Outside
-from ..core.errors import PccError
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Engine
+
+shader_listeners: list[Callable[[bpy.types.Object], None]] = []
+"""Called with a probe whose settings changed that its shader depends on."""
 
 
 def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
-    """Show a changed setting at once in the materials that show the probe."""
-    from .shade.probe_group import refresh_group
-
-    try:
-        refresh_group(settings.id_data)
-    except PccError:  # a faulty transform is reported when the probe is baked
-        return
+    for listener in shader_listeners:
+        listener(settings.id_data)
 
 
 class PCC_HiddenObject(bpy.types.PropertyGroup):

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 
 class Op(Enum):
@@ -41,9 +42,12 @@ _TO_VECTOR = {Op.COMBINE, Op.NORMALIZE, Op.REFLECT}
 
 
 class Expr:
-    """Base of `Constant`, `Input` and `Operation`; `width` is 1 or 3."""
+    """Base of all expressions; `width` is 1 or 3."""
 
-    width: int
+    if TYPE_CHECKING:
+
+        @property
+        def width(self) -> int: ...
 
     def __add__(self, other: Operand) -> Expr:
         return operation(Op.ADD, self, other)

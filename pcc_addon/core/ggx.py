@@ -13,7 +13,7 @@ import numpy as np
 Curve = Callable[[np.ndarray], np.ndarray]
 
 
-def _smith_lambda(cosine: np.ndarray, alpha: float) -> np.ndarray:
+def _smith_lambda(cosine: np.ndarray | float, alpha: float) -> np.ndarray:
     tan2 = np.maximum(1.0 / np.maximum(cosine, 1e-12) ** 2 - 1.0, 0.0)
     return 0.5 * (np.sqrt(1.0 + alpha * alpha * tan2) - 1.0)
 

@@ -165,10 +165,10 @@ def _plan_material(material: MaterialReading, owners: dict[str, dict[str, float]
     ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name))
     served = [surface for surface in surfaces if surface.effects is not None]
     if material.obstacles or not served:
-        reasons = tuple(f"{obstacle}; left as it is" for obstacle in material.obstacles)
-        if not reasons and not surfaces:
-            reasons = ("has no surface that a probe could light; left as it is",)
-        return MaterialPlan(material.name, (), (), surfaces, reasons, material.emits)
+        why = [f"{obstacle}; left as it is" for obstacle in material.obstacles]
+        if not why and not surfaces:
+            why = ["has no surface that a probe could light; left as it is"]
+        return MaterialPlan(material.name, (), (), surfaces, tuple(why), material.emits)
     each = sum(_pictures_read(surface) for surface in served)
     fitting = max(1, (SAMPLERS - material.textures) // max(each, 1))
     probes = tuple(ranked[:fitting])

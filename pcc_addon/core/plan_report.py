@@ -27,7 +27,8 @@ def records(plan: Plan) -> Iterator[dict[str, object]]:
     """The plan as plain values, one dictionary a probe, material or note; "about" says of what."""
     yield from (_probe(probe) for probe in plan.probes)
     yield from (_material(material) for material in plan.materials)
-    yield from ({"about": "note", "note": note} for note in plan.notes)
+    for note in plan.notes:
+        yield {"about": "note", "note": note}
 
 
 def _probe(probe: ProbePlan) -> dict[str, object]:

@@ -65,5 +65,5 @@ def clean(face_index: int, picture: np.ndarray, overscan: int = 0) -> tuple[np.n
     if not len(places):
         return cleaned, None
     row, column = (int(k) for k in places[0])
-    counts = [int(mask[inside].any(-1).sum()) for mask in (not_finite, negative, too_bright)]
-    return cleaned, BadPixels(FACES[face_index].name, *counts, (column, row))
+    unfit, dark, bright = (int(mask[inside].any(-1).sum()) for mask in (not_finite, negative, too_bright))
+    return cleaned, BadPixels(FACES[face_index].name, unfit, dark, bright, (column, row))

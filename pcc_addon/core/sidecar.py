@@ -110,11 +110,12 @@ class Sidecar:
         replaced_pixels: tuple[str, ...] = (),
     ) -> Sidecar:
         """The record of a bake of `spec`, as yet without levels."""
+        x, y, z = spec.capture_point
         return cls(
             probe=spec.name,
             uid=uid,
             matrix=spec.box.matrix,
-            capture_point=tuple(float(c) for c in spec.capture_point),
+            capture_point=(float(x), float(y), float(z)),
             resolution=spec.resolution,
             samples=spec.samples,
             engine=spec.engine.value,

@@ -90,3 +90,27 @@ def test_every_core_module_imports_where_blender_is_missing() -> None:
     assert run.returncode == 0, run.stderr
     files = {_name(path).removesuffix("/__init__.py").removesuffix(".py").replace("/", ".") for path in CORE}
     assert set(run.stdout.split()) == files - {"pcc_addon.core"}
+
+
+ROAD = ["read", "store", "shade", "bake"]  # the rooms that data goes through; nobody imports from farther on
+
+
+def _rooms(path: Path) -> Iterator[str]:
+    """The rooms of `blender/` that a file imports from, itself in one."""
+    here = path.relative_to(PACKAGE).parts[:-1]
+    for level, name in _imports(path):
+        target = (*here[: len(here) - level + 1], *name.split(".")) if level else ()
+        if target[:1] == ("blender",) and len(target) > 1 and target[1] in ROAD:
+            yield target[1]
+
+
+@pytest.mark.parametrize("room", ROAD)
+def test_data_goes_one_way(room: str) -> None:
+    files = sorted((PACKAGE / "blender" / room).glob("*.py"))
+    assert len(files) > 1
+    farther = set(ROAD[ROAD.index(room) + 1 :])
+    assert {_name(path): rooms for path in files if (rooms := farther & set(_rooms(path)))} == {}
+
+
+def test_the_rule_sees_what_the_bake_imports() -> None:
+    assert set(_rooms(PACKAGE / "blender" / "bake" / "job.py")) == set(ROAD)

@@ -28,7 +28,7 @@ def _reflect(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a - 2 * normal * (a * normal).sum(-1, keepdims=True)
 
 
-_RULES = {
+_RULES: dict[Op, Callable[..., np.ndarray]] = {
     Op.ADD: np.add,
     Op.SUBTRACT: np.subtract,
     Op.MULTIPLY: np.multiply,
@@ -75,7 +75,7 @@ def evaluate(
 
     def read(part: Input) -> np.ndarray:
         if part.name not in given:
-            array = np.asarray(inputs[part.name], dtype)
+            array: np.ndarray = np.asarray(inputs[part.name], dtype)
             given[part.name] = array if part.width == 3 else array[..., None]
         return given[part.name]
 
