@@ -81,10 +81,8 @@ def main() -> None:
     for name, ladder in LADDERS.items():
         lamps, walls = errors("lamps", ladder), errors("walls", ladder)
         seconds, megabytes = costs[name]
-        rows.append(
-            [name, *(f"{value:.3f}" for value in (lamps.max(), lamps.mean(), walls.max(), walls.mean()))]
-            + [f"{seconds / chosen:.2f}", f"{megabytes:.0f}"]
-        )
+        found = (f"{value:.3f}" for value in (lamps.max(), lamps.mean(), walls.max(), walls.mean()))
+        rows.append([name, *found, f"{seconds / chosen:.2f}", f"{megabytes:.0f}"])
     text = (
         "A roughness between two levels is mixed from both, linearly in the roughness. Relative RMSE over the sphere "
         f"against the exact level, over roughness {ROUGHNESSES[0]:g} … {ROUGHNESSES[-1]:g}; time (as a ratio) and "

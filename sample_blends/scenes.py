@@ -194,7 +194,7 @@ def gallery(room: Room = GALLERY) -> bpy.types.Scene:
     return scene
 
 
-def _add_box(
+def add_box(
     room: Room,
     name: str,
     centre: tuple[float, float, float],
@@ -233,7 +233,7 @@ def _hang_pictures(room: Room) -> None:
             shifted = list(centre)
             shifted[1 - axis] += 0.25 * (inset == 2)
             shifted[2] -= 0.2 * (inset == 2)
-            _add_box(room, f"Picture {k + 1}.{inset}", tuple(shifted), tuple(half), material)
+            add_box(room, f"Picture {k + 1}.{inset}", tuple(shifted), tuple(half), material)
 
 
 def _stand_pedestals(room: Room) -> None:
@@ -245,7 +245,7 @@ def _stand_pedestals(room: Room) -> None:
         ("Blue Sphere", (4.2, -2.2), (0.05, 0.15, 0.75, 1.0)),
     ]
     for name, (x, y), color in exhibits:
-        _add_box(room, f"Pedestal of {name}", (x, y, floor_z + 0.4), (0.25, 0.25, 0.4), white)
+        add_box(room, f"Pedestal of {name}", (x, y, floor_z + 0.4), (0.25, 0.25, 0.4), white)
         material = principled(name, Base_Color=color, Roughness=0.3)
         bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.32)
         sphere = bpy.context.object

@@ -39,7 +39,7 @@ def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReadin
     lows, highs = _bounds(probes)
     for placement in placements:
         low, high = placement.corners.min(0), placement.corners.max(0)
-        near = np.flatnonzero(((lows <= high) & (highs >= low)).all(1))
+        near = ((lows <= high) & (highs >= low)).all(1).nonzero()[0].tolist()
         reached = [probes[k] for k in near if probes[k].overlaps(placement.corners)]
         shares = {probe.name: _share(probe, placement.corners) for probe in reached}
         if not shares:

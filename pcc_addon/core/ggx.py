@@ -83,7 +83,8 @@ def hemispherical_average(cosines: np.ndarray, values: np.ndarray) -> float:
     mu = np.concatenate([[0.0], np.asarray(cosines)[order], [1.0]])
     v = np.asarray(values)[order]
     v = np.concatenate([v[:1], v, v[-1:]])
-    return float(np.trapezoid(2.0 * v * mu, mu) if hasattr(np, "trapezoid") else np.trapz(2.0 * v * mu, mu))
+    products = 2.0 * v * mu
+    return float((0.5 * (products[1:] + products[:-1]) * np.diff(mu)).sum())
 
 
 def blur_kernel(angle: np.ndarray, roughness: float) -> np.ndarray:
