@@ -72,8 +72,8 @@ def main() -> None:
     text = (
         f"Two furnished rooms with area lamps of 0.5 and 0.7 m (`sample_blends/two_rooms.py`), a shared floor and a "
         f"mirror; {SAMPLES} samples without denoising, two seeds; means of {MANY} samples. Everything is divided by "
-        "the same of path tracing. Receivers are the floor and the mirror; rays that left a diffuse surface meet their own "
-        "lobe, so that what is lit by them is lit as without probes.\n\n"
+        "the same of path tracing. Receivers are the floor and the mirror; rays that left a diffuse surface meet their "
+        "own lobe, so that what is lit by them is lit as without probes.\n\n"
         + table(
             ["floor", "who sees the probe", "noise elsewhere", "on receivers", "mean elsewhere", "on receivers"], rows
         )

@@ -34,7 +34,7 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
     changed = {update.id.original: update for update in depsgraph.updates}
     for item, update in changed.items():
         if isinstance(item, bpy.types.Object) and item.pcc_probe.is_probe and not item.library:
-            _follow(item, moved=update.is_updated_transform)
+            _follow(item, scene.pcc.roughness_limit, moved=update.is_updated_transform)
     if any(isinstance(item, (bpy.types.Scene, bpy.types.Collection)) for item in changed) and _orphans():
         bring_all_up_to_date(scene)
         return
@@ -59,14 +59,14 @@ def on_load(*_: object) -> None:
         for probe in all_probes(scene):
             if probe.pcc_probe.group is not None and not probe_group.is_current(probe):
                 with contextlib.suppress(PccError):  # status names what is wrong with the bake
-                    probe_group.refresh_group(probe)
+                    probe_group.refresh_group(probe)  # all twins are brought up to date below
     bring_all_up_to_date(bpy.context.scene)
 
 
 def on_shader_setting(probe: bpy.types.Object) -> None:
     """Show a changed setting at once in the materials that show the probe."""
     with contextlib.suppress(PccError):  # a faulty transform is reported when the probe is baked
-        probe_group.refresh_group(probe)
+        live.refresh_probe(probe, bpy.context.scene.pcc.roughness_limit)
 
 
 def bring_all_up_to_date(scene: bpy.types.Scene) -> None:
@@ -82,7 +82,7 @@ def _orphans() -> list[bpy.types.ShaderNodeTree]:
     return [tree for tree in ours if probe_group.probe_of(tree) is None]
 
 
-def _follow(probe: bpy.types.Object, *, moved: bool) -> None:
+def _follow(probe: bpy.types.Object, roughness_limit: float, *, moved: bool) -> None:
     """Give a probe that was moved the lookup that holds wherever it is now, and a copied one a group of its own.
 
     Drivers follow the box; what they cannot follow is that it was unrotated, held all surfaces or was captured from its
@@ -98,11 +98,11 @@ def _follow(probe: bpy.types.Object, *, moved: bool) -> None:
         record, spec = bake_record(probe), probe_spec(probe)
         if record is None:
             return
-        needed = spec.effects(all_inside=False, captured_at=record.capture_point)
+        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point)
         if copied or probe_group.shown_effects(tree) != needed.label:
-            probe_group.refresh_group(probe)
+            live.refresh_probe(probe, roughness_limit)
         else:
-            probe_group.set_padding(tree, spec.influence_padding)
+            probe_group.follow_afar(tree, spec)
     except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
         return
 

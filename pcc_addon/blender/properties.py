@@ -95,9 +95,11 @@ class PCC_Probe(bpy.types.PropertyGroup):
         name="Outside",
         description="What a surface outside the box shows",
         items=[
-            (Outside.UNCORRECTED.value, "Uncorrected", "Fade to the reflection without parallax correction"),
-            (Outside.BLACK.value, "Black", "Fade to no reflection"),
+            (Outside.OWN.value, "Own", "Fade to what the material reflects without probes", 2),
+            (Outside.UNCORRECTED.value, "Uncorrected", "Fade to the reflection without parallax correction", 0),
+            (Outside.BLACK.value, "Black", "Fade to no reflection", 1),
         ],
+        default=Outside.OWN.value,
         update=_refresh_shader,
     )
     correction: bpy.props.EnumProperty(

@@ -21,10 +21,12 @@ class Belongings:
     Attributes:
         owners: by material, by probe, by object: how much of it the probe has, about 0 … 1.
         leaving: by probe: the materials of objects that belong to it and reach beyond its box and padding.
+        touching: by probe: the materials of objects that belong to it and reach to its box or beyond.
     """
 
     owners: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
     leaving: dict[str, set[str]] = field(default_factory=dict)
+    touching: dict[str, set[str]] = field(default_factory=dict)
 
 
 def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReading]) -> Belongings:
@@ -54,6 +56,8 @@ def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReadin
                 tally[placement.object] = tally.get(placement.object, 0.0) + share + 1e-3 / (1.0 + distance)
             if not probe.contains(placement.corners):
                 found.leaving.setdefault(probe.name, set()).update(placement.materials)
+            if not probe.keeps_clear_of(placement.corners):
+                found.touching.setdefault(probe.name, set()).update(placement.materials)
     return found
 
 

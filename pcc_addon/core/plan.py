@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .belonging import belongings
+import numpy as np
+
+from .belonging import Belongings, belongings
 from .effects.records import LookupEffects
 from .effects.surface import SurfaceEffects, surface_effects
 from .pictures import LADDER, PictureKey, PictureKind
-from .probe import ProbeSpec
-from .readings import MaterialReading, SceneReading, SurfaceReading
+from .probe import ProbeSpec, Receivers
+from .readings import CameraReading, MaterialReading, SceneReading, SurfaceReading
 
 SAMPLERS = 30  # pictures that EEVEE lets a material read, beside two of its own
 _NOT_HANDLED = {
@@ -31,12 +33,14 @@ class SurfacePlan:
         effects: what its shader computes, or None where it keeps its own lobe.
         roughness: the least and the greatest that it may have.
         reasons: why, in words; all of them.
+        handed_over: the roughness from which on it is left to its own lobe, where it may be so rough; else None.
     """
 
     path: tuple[str, ...]
     effects: SurfaceEffects | None
     roughness: tuple[float, float]
     reasons: tuple[str, ...]
+    handed_over: float | None = None
 
     @property
     def name(self) -> str:
@@ -86,7 +90,7 @@ class ProbePlan:
 
     Attributes:
         probe: its name.
-        all_inside: whether no surface that shows it leaves its box and padding.
+        receivers: what is known of the surfaces that show it.
         shares: whether a material shows it and others, each where it is the right one.
         lookup: what its lookup computes.
         pictures: those that it needs, sharpest first.
@@ -94,7 +98,7 @@ class ProbePlan:
     """
 
     probe: str
-    all_inside: bool
+    receivers: Receivers
     shares: bool
     lookup: LookupEffects
     pictures: tuple[PictureKey, ...]
@@ -129,7 +133,7 @@ def make_plan(scene: SceneReading) -> Plan:
         if owners:
             materials.append(_plan_material(material, owners, scene.roughness_limit))
     captured = {probe.name: probe.captured_at for probe in scene.probes}
-    probes = [_plan_probe(spec, materials, found.leaving, captured[spec.name]) for spec in specs]
+    probes = [_plan_probe(spec, materials, found, scene.cameras, captured[spec.name]) for spec in specs]
     return Plan(tuple(probes), tuple(materials), tuple(notes))
 
 
@@ -152,11 +156,14 @@ def _plan_surface(surface: SurfaceReading, limit: float) -> SurfacePlan:
         reasons.append(f"its roughness {roughness:.3g} is above the scene's limit {limit:.3g}")
     effects = None if reasons else surface_effects(surface)
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
+    handed_over = limit if high > limit else None
     if effects is not None:
-        reasons = ["roughness varies" if roughness is None else f"roughness {roughness:.3g}", effects.label]
+        how = f"roughness {low:.3g}" if low == high else "roughness varies"
+        beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
+        reasons = [how + beyond, effects.label]
     elif not reasons:
         reasons = ["it reflects nothing"]
-    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons))
+    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons), handed_over)
 
 
 def _plan_material(material: MaterialReading, owners: dict[str, dict[str, float]], limit: float) -> MaterialPlan:
@@ -189,22 +196,36 @@ def _pictures_read(surface: SurfacePlan) -> int:
 def _plan_probe(
     spec: ProbeSpec,
     materials: Sequence[MaterialPlan],
-    leaving: dict[str, set[str]],
+    found: Belongings,
+    cameras: Sequence[CameraReading],
     captured_at: tuple[float, float, float] | None,
 ) -> ProbePlan:
     showing = [material.material for material in materials if spec.name in material.probes]
     shared = [m.material for m in materials if spec.name in m.probes and len(m.probes) > 1]
-    outside = [name for name in showing if name in leaving.get(spec.name, ())]
+    outside = [name for name in showing if name in found.leaving.get(spec.name, ())]
+    touching = [name for name in showing if name in found.touching.get(spec.name, ())]
+    watched = bool(touching) and not _all_within(spec, cameras)
+    receivers = Receivers(all_inside=not outside, seen_from_outside=watched)
     point = captured_at if captured_at is not None else tuple(float(c) for c in spec.capture_point)
-    lookup = spec.effects(not outside, point)
+    lookup = spec.effects(receivers, point)
     reasons = [f"{len(showing)} materials show it" if showing else "no material shows it"]
     if outside:
         reasons.append(f"surfaces of {_named(outside)} reach beyond its box, so it fades")
+    if watched:
+        reasons.append(
+            f"surfaces of {_named(touching)} lie on its box and may be seen from outside, where it is not shown"
+        )
     if shared:
         reasons.append(f"shares {_named(shared)} with other probes, by place")
     reasons.append("all levels, so that a changed roughness needs no new bake")
     pictures = tuple(PictureKey(PictureKind.RADIANCE, level) for level in range(len(LADDER)))
-    return ProbePlan(spec.name, not outside, bool(shared), lookup, pictures, tuple(reasons))
+    return ProbePlan(spec.name, receivers, bool(shared), lookup, pictures, tuple(reasons))
+
+
+def _all_within(probe: ProbeSpec, cameras: Sequence[CameraReading]) -> bool:
+    """Whether all cameras are known to stay in a probe's box; False where there is none."""
+    places = [camera.place for camera in cameras if camera.place is not None]
+    return len(places) == len(cameras) > 0 and probe.contains(np.array(places))
 
 
 def _listed(words: Sequence[str]) -> str:

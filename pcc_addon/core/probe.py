@@ -105,6 +105,19 @@ class Box:
 
 
 @dataclass(frozen=True)
+class Receivers:
+    """What is known of the surfaces that show a probe; as it stands it holds for any.
+
+    Attributes:
+        all_inside: whether none of them leaves the probe's box and padding.
+        seen_from_outside: whether one of them touches or leaves the box and may be seen from outside.
+    """
+
+    all_inside: bool = False
+    seen_from_outside: bool = True
+
+
+@dataclass(frozen=True)
 class ProbeSpec:
     """All that a bake and its shaders need to know of a probe.
 
@@ -136,7 +149,7 @@ class ProbeSpec:
     clip_end: float = 1000.0
     padding: float = 0.01
     falloff: float = 0.25
-    outside: Outside = Outside.UNCORRECTED
+    outside: Outside = Outside.OWN
     corrected: bool = True
     hidden: tuple[str, ...] = field(default=())
     animated: bool = False
@@ -166,25 +179,36 @@ class ProbeSpec:
         unit_axes = self.box.axes / self.box.half_extents
         return self.box.centre + unit_axes @ np.array(self.capture_offset)
 
-    def effects(self, all_inside: bool, captured_at: Sequence[float]) -> LookupEffects:
-        """The lookup effects that the probe calls for; all that there are where it is animated.
+    def effects(self, receivers: Receivers, captured_at: Sequence[float]) -> LookupEffects:
+        """The lookup effects that the probe requires; all that there are where it is animated.
 
         Args:
-            all_inside: whether no surface that shows it leaves its box.
+            receivers: what is known of the surfaces that show it.
             captured_at: where its pictures were taken, world space, metres.
         """
         if not self.corrected:
             return LookupEffects(Correction.NONE, None, False)
         if self.animated:
-            return LookupEffects(Correction.ORIENTED_BOX, self.outside, offset=True)
+            return LookupEffects(Correction.ORIENTED_BOX, self.outside, offset=True, facing=True)
         offset = tuple(captured_at) != tuple(self.box.centre)
-        return LookupEffects(self.box.correction, None if all_inside else self.outside, offset)
+        facing = receivers.seen_from_outside
+        outside = None if receivers.all_inside and not facing else self.outside
+        return LookupEffects(self.box.correction, outside, offset, facing)
+
+    @property
+    def boundary(self) -> float:
+        """How far float32 positions of surfaces that lie on the box may be from it, metres."""
+        return 16.0 * _ULP * self._reach
 
     @property
     def influence_padding(self) -> float:
         """The padding, widened by what float32 positions this far from the origin cannot tell apart, metres."""
-        reach = float(np.abs(self.box.centre).max() + np.linalg.norm(self.box.half_extents))
-        return self.padding + 4.0 * _ULP * reach
+        return self.padding + 4.0 * _ULP * self._reach
+
+    @property
+    def _reach(self) -> float:
+        """The largest coordinate in or around the box, metres."""
+        return float(np.abs(self.box.centre).max() + np.linalg.norm(self.box.half_extents))
 
     @property
     def influence_falloff(self) -> float:
@@ -195,6 +219,11 @@ class ProbeSpec:
         """Whether world-space points (n, 3), and all between them, lie within the box and its padding."""
         reach = self.box.half_widths + self.influence_padding
         return bool((np.abs(self.box.coordinates(corners)) <= reach).all())
+
+    def keeps_clear_of(self, corners: np.ndarray) -> bool:
+        """Whether world-space points (n, 3), and all between them, lie inside the box and apart from its walls."""
+        reach = self.box.half_widths - 2.0 * self.boundary
+        return bool((np.abs(self.box.coordinates(corners)) < reach).all())
 
     def overlaps(self, corners: np.ndarray) -> bool:
         """Whether a convex cloud of world-space points (n, 3) may reach into the influence volume.

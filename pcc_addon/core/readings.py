@@ -110,6 +110,19 @@ class ProbeReading:
 
 
 @dataclass(frozen=True)
+class CameraReading:
+    """One camera.
+
+    Attributes:
+        name: the object's.
+        place: world space, metres; None where animation may move it.
+    """
+
+    name: str
+    place: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True)
 class SceneReading:
     """One scene, as a render of one view layer shows it.
 
@@ -117,7 +130,7 @@ class SceneReading:
         name: the scene's.
         probes, materials, placements: by name; placements in the order of the render.
         roughness_limit: rougher surfaces keep their own lobe.
-        cameras: names of the cameras.
+        cameras: those that render: the scene's own and those that markers choose.
         animated: names of objects and materials that animation, drivers or constraints may change.
     """
 
@@ -126,5 +139,5 @@ class SceneReading:
     materials: tuple[MaterialReading, ...] = ()
     placements: tuple[PlacementReading, ...] = ()
     roughness_limit: float = 0.6
-    cameras: tuple[str, ...] = ()
+    cameras: tuple[CameraReading, ...] = ()
     animated: frozenset[str] = field(default=frozenset())

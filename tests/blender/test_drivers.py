@@ -171,7 +171,7 @@ def test_the_capture_point_stays_where_the_pictures_were_taken(probe) -> None:
 
 
 ALIGNED, TURNED_ABOUT_Z, ORIENTED = (
-    LookupEffects(correction, Outside.UNCORRECTED, False).label
+    LookupEffects(correction, Outside.OWN, False, facing=True).label
     for correction in (Correction.ALIGNED_BOX, Correction.TURNED_BOX, Correction.ORIENTED_BOX)
 )
 
@@ -204,7 +204,7 @@ def test_a_probe_moved_away_from_its_capture_point_gets_the_lookup_with_an_offse
     assert probe_group.shown_effects(probe.pcc_probe.group) == ORIENTED
     probe.location.x += 0.5
     bpy.context.view_layer.update()
-    moved = LookupEffects(Correction.ORIENTED_BOX, Outside.UNCORRECTED, offset=True)
+    moved = LookupEffects(Correction.ORIENTED_BOX, Outside.OWN, offset=True, facing=True)
     assert probe_group.shown_effects(probe.pcc_probe.group) == moved.label
     probe.location.x -= 0.5
     bpy.context.view_layer.update()
@@ -229,9 +229,9 @@ def test_an_animated_probe_has_the_lookup_that_holds_wherever_it_goes(scene, mov
     scene.frame_set(1)
     pretend_bake(probe)
     show(probe)
-    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.ORIENTED_BOX).label
+    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.ORIENTED_BOX, facing=True).label
     scene.frame_set(20)
-    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.ORIENTED_BOX).label
+    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.ORIENTED_BOX, facing=True).label
     check_box(probe)
 
 
@@ -258,7 +258,7 @@ def test_a_probe_whose_parent_is_turned_gets_the_oriented_lookup(scene) -> None:
     assert probe_group.shown_effects(probe.pcc_probe.group) == ALIGNED
     parent.rotation_euler.y = 1.0
     bpy.context.view_layer.update()
-    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.ORIENTED_BOX).label
+    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.ORIENTED_BOX, facing=True).label
 
 
 @pytest.mark.parametrize(
@@ -272,7 +272,7 @@ def test_a_changed_setting_is_shown_at_once(probe, setting, value, socket) -> No
 
 def test_the_classic_lookup_and_the_black_outside_are_shown_at_once(probe) -> None:
     probe.pcc_probe.outside = "BLACK"
-    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(outside=Outside.BLACK, offset=False).label
+    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(outside=Outside.BLACK, offset=False, facing=True).label
     probe.pcc_probe.correction = "NONE"
     assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.NONE, None, False).label
     assert probe.pcc_probe.group.animation_data is None or not probe.pcc_probe.group.animation_data.drivers

@@ -59,7 +59,7 @@ def test_a_probe_has_the_defaults_that_are_documented(scene) -> None:
     assert (settings.resolution, settings.samples, settings.engine, settings.denoise) == (512, 64, "CYCLES", True)
     assert settings.clip_start == pytest.approx(0.01) and settings.clip_end == pytest.approx(1000.0)
     assert settings.padding == pytest.approx(0.01) and settings.falloff == pytest.approx(0.25)
-    assert (settings.outside, settings.correction) == ("UNCORRECTED", "BOX")
+    assert (settings.outside, settings.correction) == ("OWN", "BOX")
     assert settings.group is None and not settings.bake_record and len(settings.levels) == 0
 
 

@@ -14,7 +14,7 @@ from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import lookup as formula
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.errors import PccError, ProbeError
-from pcc_addon.core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Box, ProbeSpec
+from pcc_addon.core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Box, ProbeSpec, Receivers
 
 from . import boxes
 
@@ -179,10 +179,13 @@ def test_a_probe_calls_for_the_cheapest_correction_that_fits_its_box() -> None:
         spec = ProbeSpec("Hall", box, outside=Outside.BLACK)
         expected = Correction.ALIGNED_BOX if kind == "unrotated" else Correction.ORIENTED_BOX
         aside = box.centre + 0.1
-        assert spec.effects(all_inside=False, captured_at=aside) == LookupEffects(expected, Outside.BLACK, True)
-        assert spec.effects(all_inside=True, captured_at=aside) == LookupEffects(expected, None, True)
-        assert spec.effects(all_inside=True, captured_at=spec.capture_point) == LookupEffects(expected, None, False)
-        assert ProbeSpec("Hall", box, corrected=False).effects(False, aside).correction is Correction.NONE
+        fading, inside, watched = Receivers(False, False), Receivers(True, False), Receivers(True, True)
+        assert spec.effects(fading, aside) == LookupEffects(expected, Outside.BLACK, True)
+        assert spec.effects(inside, aside) == LookupEffects(expected, None, True)
+        assert spec.effects(inside, spec.capture_point) == LookupEffects(expected, None, False)
+        assert spec.effects(watched, aside) == LookupEffects(expected, Outside.BLACK, True, facing=True)
+        assert spec.effects(Receivers(), aside) == LookupEffects(expected, Outside.BLACK, True, facing=True)
+        assert ProbeSpec("Hall", box, corrected=False).effects(Receivers(), aside).correction is Correction.NONE
 
 
 def test_far_from_the_origin_the_influence_grows_by_what_float32_cannot_tell() -> None:
@@ -223,7 +226,7 @@ def test_a_cloud_with_a_point_inside_the_influence_overlaps(
     }
     q = formula.along_face_normals(Correction.ORIENTED_BOX, formula.POSITION)
     weights = evaluate(
-        {"w": formula.influence_weight(q)},
+        {"w": formula.faded(formula.depth(q), formula.FALLOFF)},
         {"Position": np.vstack([corners, within]) - box.centre, **inputs},
         np.float64,
     )["w"]

@@ -18,22 +18,24 @@ from pcc_addon.core.effects.roughness import mixed, neighbours
 from pcc_addon.core.effects.shading import ROUGHNESS
 from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
 from pcc_addon.core.expression import Formula
+from pcc_addon.core.probe import Receivers
 from sample_blends.scenes import add_camera, principled_node
 from tests.blender.helpers import ROOM, bake, pictures_of, put_in, save, small_room
 
 WIDTH, HEIGHT = 32, 18
 
 
-def whole(probe: bpy.types.Object, roughness: float, all_inside: bool) -> Formula:
+def whole(probe: bpy.types.Object, roughness: float, receivers: Receivers) -> Formula:
     """From position, view and normal to the radiance that a metal sends to the eye."""
     record, spec = bake_record(probe), probe_spec(probe)
-    effects = spec.effects(all_inside, record.capture_point)
+    effects = spec.effects(receivers, record.capture_point)
     rungs = [level.roughness for level in record.levels]
     levels = neighbours(rungs, roughness, roughness)
     known = {
         "Capture Point": record.capture_point,
         "Padding": spec.influence_padding,
         "Falloff": spec.influence_falloff,
+        "Boundary": spec.boundary,
         "Box Centre": tuple(spec.box.centre),
         "Half Widths": tuple(spec.box.half_widths),
     }
@@ -88,7 +90,7 @@ def test_numpy_computes_the_rendered_pixel_from_the_pictures(scene, tmp_path, ro
         "Metallic": 1.0,
         "Roughness": roughness,
     }
-    formula = whole(probe, roughness, outside is None)
+    formula = whole(probe, roughness, Receivers(outside is None, outside is not None))
     expected = evaluate(formula.outputs, inputs, np.float32, files)["Radiance"]
     assert expected.std() > 0.1 or outside is not None
     # The filter is a hundredth of a pixel wide, over which a picture of so few texels changes by this much.

@@ -26,8 +26,7 @@ from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
 from ..read.probes import probe_spec
 from ..read.scene import missing_textures, read_scene
-from ..shade import groups, twin
-from ..shade.probe_group import refresh_group
+from ..shade import groups, live, twin
 from ..shade.twin_order import TwinOrder
 from ..store import levels
 from .capture import OVERSCAN, Stage
@@ -213,7 +212,7 @@ class BakeJob:
             replaced_pixels=tuple(replaced),
         )
         levels.store(probe, record, pictures, self._folder)
-        refresh_group(probe, task.plan.all_inside, task.plan.shares)
+        live.refresh_probe(probe, self._scene.pcc.roughness_limit, task.plan.receivers, task.plan.shares)
         images = [level.image for level in probe.pcc_probe.levels]
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced), warnings))

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import PccError
-from ...core.readings import PlacementReading, ProbeReading, SceneReading
+from ...core.readings import CameraReading, PlacementReading, ProbeReading, SceneReading
 from .. import marks
 from .materials import read_material
 from .probes import all_probes, bake_record, is_animated, probe_spec
@@ -28,9 +28,17 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
         materials=tuple(read_material(materials[name]) for name in sorted(materials)),
         placements=tuple(placements),
         roughness_limit=scene.pcc.roughness_limit,
-        cameras=tuple(sorted(o.name for o in scene.objects if o.type == "CAMERA")),
+        cameras=_cameras(scene),
         animated=frozenset(o.name_full for o in scene.objects if is_animated(o)),
     )
+
+
+def _cameras(scene: bpy.types.Scene) -> tuple[CameraReading, ...]:
+    found = {o.name: o for o in (scene.camera, *(marker.camera for marker in scene.timeline_markers)) if o}
+    places = {
+        n: None if is_animated(o) else tuple(float(c) for c in o.matrix_world.translation) for n, o in found.items()
+    }
+    return tuple(CameraReading(name, places[name]) for name in sorted(found))
 
 
 def read_probe(probe: bpy.types.Object) -> ProbeReading:

@@ -112,7 +112,7 @@ def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, not
             continue
         try:
             ensure_levels(probe, [LADDER[key.level] for key in probe_plan.pictures], folder)
-            refresh_group(probe, probe_plan.all_inside, probe_plan.shares)
+            refresh_group(probe, probe_plan.receivers, probe_plan.shares)
         except PccError as error:
             notes.append(str(error))
             continue

@@ -8,9 +8,11 @@ import bpy
 
 from ...core.effects.roughness import neighbours
 from ...core.plan import plan_surfaces
+from ...core.probe import Receivers
 from .. import marks
 from ..read.fingerprint import node_lines
 from ..read.materials import read_material
+from . import probe_group
 from .probe_group import probe_of, shown_probe
 from .twin import add_twins, has_twins, remove_twins, shown_probe_groups
 from .twin_builder import OF, VALUES, repeat_value
@@ -54,11 +56,32 @@ def copy_values(tree: bpy.types.ShaderNodeTree) -> None:
 def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
     """A text that changes when the twins of a material must be built anew; values alone do not change it."""
     lines = node_lines(material.node_tree, values=False)
-    lines += [f"{shown.group.name_full} {shown.rungs} {shown.fade}" for shown in order.probes]
+    lines += [f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs}" for shown in order.probes]
     for path, surface in sorted(order.surfaces.items()):
         levels = [neighbours(shown.rungs, *surface.roughness) for shown in order.probes]
-        lines.append(f"{path} {surface.effects} {levels}")
+        lines.append(f"{path} {surface.effects} {levels} {surface.handed_over}")
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def refresh_probe(
+    probe: bpy.types.Object,
+    roughness_limit: float,
+    receivers: Receivers = probe_group.UNKNOWN_RECEIVERS,
+    shares: bool | None = None,
+) -> None:
+    """`probe_group.refresh_group`, and the twins that read an output which came or went.
+
+    Raises:
+        PccError: the probe's transform, its record or a picture is faulty.
+    """
+    before = probe.pcc_probe.group and probe_group.outputs(probe.pcc_probe.group)
+    probe_group.refresh_group(probe, receivers, shares)
+    tree = probe.pcc_probe.group
+    if tree is None or before in (None, probe_group.outputs(tree)):
+        return
+    for material in bpy.data.materials:
+        if material.node_tree and tree in shown_probe_groups(material):
+            bring_up_to_date(material, roughness_limit)
 
 
 def bring_up_to_date(material: bpy.types.Material, roughness_limit: float) -> None:

@@ -8,6 +8,7 @@ from functools import partial
 import bpy
 
 from ...core.effects import lookup
+from ...core.probe import ProbeSpec, Receivers
 from .. import marks
 from ..read.probes import bake_record, probe_spec
 from ..store.pictures import check_pixels
@@ -16,15 +17,18 @@ from .groups import formula_group
 from .node_builder import Surroundings, emit
 from .twin_order import ShownProbe
 
-VERSION = 3
+VERSION = 4
 ROLE = "probe"
+UNKNOWN_RECEIVERS = Receivers()
 _BUILT_FOR = "built_for"  # the probe's matrix and drawn size when its group was built
 _EFFECTS = "effects"  # the label of the lookup that it was built with
 _RUNGS, _FADE = "rungs", "fade"  # as in ShownProbe
 _SHARES = "shares"  # whether it says how deep a point lies in its box
 
 
-def refresh_group(probe: bpy.types.Object, all_inside: bool = False, shares: bool | None = None) -> None:
+def refresh_group(
+    probe: bpy.types.Object, receivers: Receivers = UNKNOWN_RECEIVERS, shares: bool | None = None
+) -> None:
     """Build or rebuild the group of a baked probe; nothing happens before its first bake.
 
     Everything is read first: where something is missing the group stays as it is. Materials that use it keep using it.
@@ -32,7 +36,7 @@ def refresh_group(probe: bpy.types.Object, all_inside: bool = False, shares: boo
 
     Args:
         probe: the probe object.
-        all_inside: whether no surface that shows it leaves its box; where nobody has looked, False is always right.
+        receivers: what is known of the surfaces that show it; by default nothing is.
         shares: whether surfaces choose between it and other probes; None: as before.
 
     Raises:
@@ -42,14 +46,14 @@ def refresh_group(probe: bpy.types.Object, all_inside: bool = False, shares: boo
     if record is None:
         return
     spec = probe_spec(probe)
-    effects = spec.effects(all_inside, record.capture_point)
+    effects = spec.effects(receivers, record.capture_point)
     levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
     images = {f"Level {k}": level.image for k, level in enumerate(levels)}
     heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
     known = {
         "Capture Point": record.capture_point,
-        "Padding": spec.influence_padding,
         "Falloff": spec.influence_falloff,
+        **_following(spec),
     }
     tree = _group_of(probe)
     shares = bool(marks.noted(tree, _SHARES)) if shares is None else shares
@@ -66,7 +70,12 @@ def refresh_group(probe: bpy.types.Object, all_inside: bool = False, shares: boo
 
 def shown_probe(tree: bpy.types.ShaderNodeTree) -> ShownProbe:
     """A probe's group as twins show it."""
-    return ShownProbe(tree, tuple(marks.noted(tree, _RUNGS)), marks.noted(tree, _FADE))
+    return ShownProbe(tree, tuple(marks.noted(tree, _RUNGS)), marks.noted(tree, _FADE), outputs(tree))
+
+
+def outputs(tree: bpy.types.ShaderNodeTree) -> tuple[str, ...]:
+    """The names of a group's outputs."""
+    return tuple(item.name for item in tree.interface.items_tree if item.in_out == "OUTPUT")
 
 
 def probe_of(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
@@ -100,13 +109,18 @@ def was_moved(probe: bpy.types.Object) -> bool:
     return list(marks.noted(probe.pcc_probe.group, _BUILT_FOR, ())) != _place(probe)
 
 
-def set_padding(tree: bpy.types.ShaderNodeTree, padding: float) -> None:
-    """Let the influence begin to fade elsewhere, in metres beyond the box; nothing is rebuilt."""
+def follow_afar(tree: bpy.types.ShaderNodeTree, spec: ProbeSpec) -> None:
+    """Give a probe's group the lengths that depend on how far from the origin it stands."""
+    wanted = _following(spec)
     for node in tree.nodes:
-        if node.bl_idname == "ShaderNodeGroup" and "Padding" in node.inputs:
-            socket = node.inputs["Padding"]
-            if abs(socket.default_value - padding) > 1e-6 * padding:  # setting it asks for another update
-                socket.default_value = padding
+        for socket in node.inputs if node.bl_idname == "ShaderNodeGroup" else ():
+            length = wanted.get(socket.name)
+            if length is not None and abs(socket.default_value - length) > 1e-6 * length:
+                socket.default_value = length  # which asks for another update
+
+
+def _following(spec: ProbeSpec) -> dict[str, float]:
+    return {"Padding": spec.influence_padding, "Boundary": spec.boundary}
 
 
 def _place(probe: bpy.types.Object) -> list[float]:

@@ -127,20 +127,33 @@ class TwinBuilder:
         if not self.order.probes:
             return diffuse.outputs[0]
         total = self.new("ShaderNodeAddShader", node, right=480.0)
+        reflection, coverage = self._reflections(node, plan, lit)
         self.tree.links.new(diffuse.outputs[0], total.inputs[0])
-        self.tree.links.new(self._reflections(node, plan, lit), total.inputs[1])
-        return self._own_lobe_for_diffuse_rays(node, total)
+        self.tree.links.new(reflection, total.inputs[1])
+        return self._over_own_lobe(node, plan, total, coverage)
 
-    def _own_lobe_for_diffuse_rays(self, node: bpy.types.Node, seen: bpy.types.Node) -> bpy.types.NodeSocket:
-        """The probe's reflection for all rays but those that left a diffuse surface, which meet the original.
+    def _over_own_lobe(
+        self, node: bpy.types.Node, plan: SurfacePlan, seen: bpy.types.Node, coverage: bpy.types.NodeSocket | None
+    ) -> bpy.types.NodeSocket:
+        """The probes' reflection where they cover the surface, the original elsewhere and for diffuse rays.
 
         A path from a diffuse wall that finds a lamp's picture by chance is a firefly; with the original it is the
         caustic that the renderer filters and clamps as ever. Walls then are lit as without the probe.
         """
         path = self.new("ShaderNodeLightPath", node, right=480.0, down=200.0)
-        mix = self.new("ShaderNodeMixShader", node, right=680.0)
+        mix = self.new("ShaderNodeMixShader", node, right=880.0)
         marks.tag(mix, GLOW)  # muted, it passes the first shader on
-        self.tree.links.new(path.outputs["Is Diffuse Ray"], mix.inputs[0])
+        share = path.outputs["Is Diffuse Ray"]
+        if coverage is not None or plan.handed_over is not None:
+            own = self._call(choice.own_share(plan.handed_over), node, 680.0, 0, {"Diffuse Ray": share})
+            if coverage is None:
+                own.inputs["Coverage"].default_value = 1.0
+            else:
+                self.tree.links.new(coverage, own.inputs["Coverage"])
+            if plan.handed_over is not None:
+                self._feed(node.inputs["Roughness"], own.inputs["Roughness"])
+            share = own.outputs["Share"]
+        self.tree.links.new(share, mix.inputs[0])
         self.tree.links.new(seen.outputs[0], mix.inputs[1])
         self.tree.links.new(node.outputs[0], mix.inputs[2])
         return mix.outputs[0]
@@ -159,12 +172,14 @@ class TwinBuilder:
                 self._feed(node.inputs[socket.name], socket)
         return lit
 
-    def _reflections(self, node: bpy.types.Node, plan: SurfacePlan, lit: bpy.types.Node) -> bpy.types.NodeSocket:
-        """The shader that emits what the probes reflect; where there are several, each where it is the right one.
+    def _reflections(
+        self, node: bpy.types.Node, plan: SurfacePlan, lit: bpy.types.Node
+    ) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket | None]:
+        """The shader that emits what the probes reflect, each where it is the right one, and how much they cover.
 
         A Mix Shader is skipped by Cycles on the side that has no share, so only the probes of the place are read.
         """
-        shader = distance = None
+        shader = distance = coverage = None
         for row, shown in enumerate(self.order.probes):
             probe = self.new("ShaderNodeGroup", node, right=-760.0, down=_ROW * row)
             probe.node_tree = shown.group
@@ -178,25 +193,26 @@ class TwinBuilder:
             marks.tag(glow, GLOW)
             self.tree.links.new(lit.outputs["Reflection"], glow.inputs["Color"])
             self._feed(node.inputs["Alpha"], glow.inputs["Strength"])
+            weight = probe.outputs.get("Weight")
             if shader is None:
-                shader = glow.outputs[0]
+                shader, coverage = glow.outputs[0], weight
                 if len(self.order.probes) > 1:
-                    distance = self._call(choice.START, node, -500.0, 0, {"Depth": probe.outputs["Depth"]})
+                    start = self._call(choice.START, node, -500.0, 0, {"Depth": probe.outputs["Depth"]})
+                    distance = start.outputs["Distance"]
                 continue
-            step = self._call(
-                choice.NEXT,
-                node,
-                -500.0,
-                row,
-                {"Depth": probe.outputs["Depth"], "Distance": distance.outputs["Distance"]},
-            )
+            known = {"Depth": probe.outputs["Depth"], "Distance": distance, "Coverage": coverage, "Weight": weight}
+            given = {name: socket for name, socket in known.items() if socket is not None}
+            step = self._call(choice.NEXT, node, -500.0, row, given)
             step.inputs["Fade"].default_value = shown.fade
+            for name in known.keys() - given.keys():  # a probe that has all of what is its share
+                step.inputs[name].default_value = 1.0
             mix = self.new("ShaderNodeMixShader", node, right=240.0, down=_ROW * row)
             self.tree.links.new(step.outputs["Share"], mix.inputs[0])
             self.tree.links.new(shader, mix.inputs[1])
             self.tree.links.new(glow.outputs[0], mix.inputs[2])
-            shader, distance = mix.outputs[0], step
-        return shader
+            shader = mix.outputs[0]
+            coverage, distance = step.outputs["Coverage"], step.outputs["Distance"]
+        return shader, coverage
 
     def _radiance(
         self, node: bpy.types.Node, plan: SurfacePlan, shown: ShownProbe, probe: bpy.types.Node, row: int

@@ -18,11 +18,13 @@ class ShownProbe:
         group: its node group.
         rungs: the roughnesses of its outputs "Level 0", "Level 1" …, ascending.
         fade: metres over which it fades in within a larger probe's box.
+        outputs: names of the group's outputs.
     """
 
     group: bpy.types.ShaderNodeTree
     rungs: tuple[float, ...]
     fade: float
+    outputs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,8 @@ from .records import Correction, LookupEffects, Outside
 # Metres; a point nearer to a wall than this is on it. Below the spacing of float32 in any box larger than 0.1 mm, and
 # its reciprocal times any distance up to 10⁷ m can still be squared.
 ON_WALL = 1e-12
+# Metres; what counts as infinitely deep outside. Its square is still a float32.
+FAR = 1e6
 
 POSITION = vector("Position")
 INCOMING = vector("Incoming")  # unit, from the surface to the eye, as Blender's Geometry node gives it
@@ -55,6 +57,7 @@ HALF_WIDTHS = vector("Half Widths")  # from the centre to each pair of faces
 CAPTURE_POINT = vector("Capture Point")
 PADDING = scalar("Padding")
 FALLOFF = scalar("Falloff")  # above 0: `ProbeSpec.influence_falloff`
+BOUNDARY = scalar("Boundary")  # metres that positions on a wall may be off by rounding: `ProbeSpec.boundary`
 DIRECTION = vector("Direction")
 STEEPEST = scalar("Steepest")
 
@@ -82,10 +85,25 @@ def nearness(q: Expr, back: Expr) -> Expr:
     return greatest(absolute(back) / maximum(multiply_add(q, sign(back), HALF_WIDTHS), ON_WALL))
 
 
-def influence_weight(q: Expr) -> Expr:
-    """1 inside the box and its padding, fading smoothly to 0 over the falloff."""
-    outside = greatest(absolute(q) - HALF_WIDTHS) - PADDING
-    linear = clamp(1.0 - outside / FALLOFF)
+def depth(q: Expr, normal: Expr | None = None) -> Expr:
+    """How far a point lies below the nearest of the box's walls and their padding, metres; negative outside.
+
+    With a normal along the face normals, surfaces that lie on a wall or beyond it and face away from the box, such as
+    the outer side of a house's wall, count as far outside. Half of the way to facing away is still inside, so that a
+    bumpy floor under a doorway stays what it is.
+    """
+    beyond = absolute(q) - HALF_WIDTHS
+    below = PADDING - greatest(beyond)
+    if normal is None:
+        return below
+    facing_away = maximum(multiply_add(normal, sign(q), -0.5), 0.0)
+    on_wall = clamp(beyond / BOUNDARY + 2.0)  # 1 from one boundary's width below the wall on
+    return below - greatest(facing_away * on_wall) * FAR
+
+
+def faded(below: Expr, falloff: Expr) -> Expr:
+    """1 inside an influence volume, fading smoothly to 0 over the falloff outside it; from the depth in metres."""
+    linear = clamp(1.0 + below / falloff)
     return linear * linear * (3.0 - 2.0 * linear)
 
 
@@ -93,7 +111,7 @@ def lookup(effects: LookupEffects) -> dict[str, Expr]:
     """Where to look in the probe's picture.
 
     Returns:
-        "Direction": world-space vector, not normalised; "Weight": what to multiply the radiance by, 0 … 1.
+        "Direction": world-space vector, not normalised; "Weight": how much of the surface the probe has, 0 … 1.
     """
     back = Section("Reflected ray, reversed", reflect(INCOMING, NORMAL))  # incoming points to the eye
     if effects.correction is Correction.NONE:
@@ -107,11 +125,12 @@ def lookup(effects: LookupEffects) -> dict[str, Expr]:
     corrected = Section("Direction from the capture point", from_capture * near - back)
     if effects.outside is None:
         return {"Direction": corrected, "Weight": lift(1.0)}
-    weight = Section("Influence", influence_weight(q))
-    if effects.outside is Outside.BLACK:
+    normal = along_face_normals(effects.correction, NORMAL) if effects.facing else None
+    weight = Section("Influence", faded(depth(q, normal), FALLOFF))
+    if effects.outside is not Outside.UNCORRECTED:
         return {"Direction": corrected, "Weight": weight}
-    faded = Section("Influence", mix(back * -1.0, normalize(corrected), weight))
-    return {"Direction": faded, "Weight": lift(1.0)}
+    turned = Section("Influence", mix(back * -1.0, normalize(corrected), weight))
+    return {"Direction": turned, "Weight": lift(1.0)}
 
 
 def _off_poles() -> Expr:
@@ -149,9 +168,9 @@ def read_picture(picture: str, height: int, direction: Expr) -> Expr:
 
 @cache
 def depth_formula(correction: Correction) -> Formula:
-    """How far, in metres, a point lies below the nearest of the box's walls and their padding; negative outside."""
-    q = along_face_normals(correction, POSITION - CENTRE)
-    return Formula(f"Depth, {correction.words}", {"Depth": PADDING - greatest(absolute(q) - HALF_WIDTHS)})
+    """`depth` of a surface that has neighbours in other boxes."""
+    q, normal = (along_face_normals(correction, v) for v in (POSITION - CENTRE, NORMAL))
+    return Formula(f"Depth, {correction.words}", {"Depth": depth(q, normal)})
 
 
 @cache
@@ -176,15 +195,18 @@ def probe(
         shares: whether a surface chooses between this probe and others, which requires to know how deep it lies in it.
 
     Returns:
-        A formula with a radiance for each picture, which it samples under the output's name, and with "Depth" of
-        `depth_formula` where it shares.
+        A formula with a radiance for each picture, which it samples under the output's name; with "Weight" where
+        surfaces keep their own lobe outside; and with "Depth" of `depth_formula` where it shares.
     """
     found = _with(lookup_formula(effects), known or {})
-    fades = effects.outside is Outside.BLACK and effects.correction is not Correction.NONE
+    corrected = effects.correction is not Correction.NONE
     outputs = {}
     for name, height in heights.items():
         radiance = read_picture(name, height, found["Direction"])
-        outputs[name] = radiance * found["Weight"] if fades else radiance
+        blackens = corrected and effects.outside is Outside.BLACK
+        outputs[name] = radiance * found["Weight"] if blackens else radiance
+    if corrected and effects.outside is Outside.OWN:
+        outputs["Weight"] = found["Weight"]
     if shares:
         box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction
         outputs["Depth"] = _with(depth_formula(box), known or {})["Depth"]

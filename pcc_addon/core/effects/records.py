@@ -23,6 +23,7 @@ class Correction(str, Enum):
 class Outside(str, Enum):
     """What a surface outside the influence volume shows."""
 
+    OWN = "OWN"  # fades to the surface's own lobe, as without a probe
     UNCORRECTED = "UNCORRECTED"  # fades to the classic lookup
     BLACK = "BLACK"  # fades to black
 
@@ -36,11 +37,14 @@ class LookupEffects:
         outside: what a surface outside the influence volume shows, or None where no surface lies outside, so that
             nothing need be tested or faded.
         offset: whether the capture point is apart from the box's centre.
+        facing: whether surfaces on the box's boundary or beyond may be seen from outside, where they face away from
+            what the probe shows; requires `outside`.
     """
 
     correction: Correction = Correction.ORIENTED_BOX
-    outside: Outside | None = Outside.UNCORRECTED
+    outside: Outside | None = Outside.OWN
     offset: bool = True
+    facing: bool = False
 
     @property
     def label(self) -> str:
@@ -49,4 +53,5 @@ class LookupEffects:
         if self.correction is not Correction.NONE:
             words.append(f"outside {self.outside.value.lower()}" if self.outside else "inside")
             words.append("offset" if self.offset else "centred")
+            words += ["seen from outside"] * self.facing
         return ", ".join(words)
