@@ -10,7 +10,9 @@ import numpy as np
 from .probe import ProbeSpec
 from .readings import PlacementReading
 
-_STEPS = 5  # points along each edge of an object's bounds
+_STEPS = np.linspace(0.0, 1.0, 5)  # points along each edge of an object's bounds
+_EDGES = np.stack([1.0 - _STEPS, _STEPS], -1)
+_WITHIN = np.einsum("ia,jb,kc->ijkabc", _EDGES, _EDGES, _EDGES).reshape(-1, 8)  # points within, from the 8 corners
 _SHARE = 0.05  # of an object's bounds, from which on it counts for a probe beside the one that it is mostly in
 
 
@@ -75,9 +77,6 @@ def _bounds(probes: Sequence[ProbeSpec]) -> tuple[np.ndarray, np.ndarray]:
 
 def _share(probe: ProbeSpec, corners: np.ndarray) -> tuple[float, float]:
     """The share of an object's bounds inside the box, 0 … 1, and how far it is from the centre, in half widths."""
-    steps = np.linspace(0.0, 1.0, _STEPS)
-    low, high = corners.min(0), corners.max(0)
-    grid = np.stack(np.meshgrid(steps, steps, steps), -1).reshape(-1, 3)
-    distances = np.abs(probe.box.coordinates(low + grid * (high - low)))
+    distances = np.abs(probe.box.coordinates(_WITHIN @ corners))
     inside = (distances <= probe.box.half_widths + probe.influence_padding).all(-1).mean()
     return float(inside), float((distances / probe.box.half_widths).max(-1).mean())

@@ -84,7 +84,8 @@ class PlacementReading:
     Attributes:
         object: the object's name.
         materials: names of those that it shows, those that modifiers and geometry nodes assign included.
-        corners: (8, 3) float64, world space, metres: its bounding box.
+        corners: (8, 3) float64, world space, metres: the bounding box along its own axes, in the order of
+            `numpy.ndindex(2, 2, 2)`.
     """
 
     object: str

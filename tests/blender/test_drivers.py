@@ -272,7 +272,10 @@ def test_a_changed_setting_is_shown_at_once(probe, setting, value, socket) -> No
 
 def test_the_classic_lookup_and_the_black_outside_are_shown_at_once(probe) -> None:
     probe.pcc_probe.outside = "BLACK"
-    assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(outside=Outside.BLACK, offset=False, facing=True).label
+    assert (
+        probe_group.shown_effects(probe.pcc_probe.group)
+        == LookupEffects(outside=Outside.BLACK, offset=False, facing=True).label
+    )
     probe.pcc_probe.correction = "NONE"
     assert probe_group.shown_effects(probe.pcc_probe.group) == LookupEffects(Correction.NONE, None, False).label
     assert probe.pcc_probe.group.animation_data is None or not probe.pcc_probe.group.animation_data.drivers

@@ -146,3 +146,24 @@ def test_two_rooms_share_a_material_and_each_object_shows_its_own_probe(probe) -
 
     [plan] = plan_scene(bpy.context.scene, bpy.context.view_layer).materials
     assert set(plan.objects) == {("Here", "Probe"), ("There", "Other")}
+
+
+def test_a_turned_room_beside_another_keeps_its_things(probe) -> None:
+    """An object belongs where its own bounds are, not where the box around them in world axes reaches."""
+    from pcc_addon.blender.planning import plan_scene
+
+    parent = bpy.data.objects.new("House", None)
+    bpy.context.scene.collection.objects.link(parent)
+    bpy.data.objects.remove(probe)
+    for name, x in (("Left", -2.06), ("Right", 2.06)):
+        small_probe(name, location=(x, 0.0, 0.0), half_extents=(2.0, 2.0, 1.0)).parent = parent
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata([(x + i, j, k) for i in (-2, 2) for j in (-2, 2) for k in (-1, 1)], [], [(0, 1, 3, 2)])
+        mesh.materials.append(shiny(f"{name} Walls"))
+        item = bpy.data.objects.new(f"{name} Walls", mesh)
+        item.parent = parent
+        bpy.context.scene.collection.objects.link(item)
+    parent.rotation_euler.z = 0.6
+    update()
+    plans = plan_scene(bpy.context.scene, bpy.context.view_layer).materials
+    assert {plan.material: plan.probes for plan in plans} == {"Left Walls": ("Left",), "Right Walls": ("Right",)}

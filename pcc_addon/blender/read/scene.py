@@ -13,6 +13,7 @@ from .. import marks
 from .materials import read_material
 from .probes import all_probes, bake_record, is_animated, probe_spec
 
+_BY_AXES = [0, 1, 3, 2, 4, 5, 7, 6]  # Blender's order of a bounding box's corners as that of `numpy.ndindex`
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
 
 
@@ -83,7 +84,7 @@ def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading,
         if evaluated.type not in _SURFACES or evaluated.hide_render:
             continue
         matrix = np.array(instance.matrix_world, np.float64)
-        corners = np.array(evaluated.bound_box, np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+        corners = np.array(evaluated.bound_box, np.float64)[_BY_AXES] @ matrix[:3, :3].T + matrix[:3, 3]
         materials = _materials(evaluated)
         names = tuple(material.name_full for material in materials)
         found.append((PlacementReading(evaluated.original.name_full, names, corners), materials))
