@@ -7,38 +7,15 @@ import pytest
 
 from pcc_addon.core.effects import lookup as formula
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
-from pcc_addon.core.probe import STEEPEST_FALLOFF
 from tests.core.boxes import unit
 
-from .bound import ALONG, REFLECT, ROUNDOFF, direction_bound
-from .cases import Cases
+from .bound import REFLECT, ROUNDOFF, direction_bound
+from .fades import exact_weight, fades
 from .families import CORRECTIONS
-from .reference import Exact, angle, exact
+from .reference import angle, exact
 from .run import together, values
 
 COUNT = 1024
-STEEPEST = 1.5  # of the fade, 3 t² − 2 t³, in the middle
-
-
-def fades(cases: Cases, rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """Paddings and falloffs in metres; a tenth of the falloffs are edges."""
-    least = cases.half_widths.min(-1)
-    falloff = np.where(rng.random(len(cases)) < 0.1, 0.0, least * 10.0 ** rng.uniform(-3.0, 0.5, len(cases)))
-    padding = least * 10.0 ** rng.uniform(-5.0, -2.0, len(cases))
-    return {"Padding": padding.astype(np.float32), "Falloff": np.maximum(falloff, STEEPEST_FALLOFF).astype(np.float32)}
-
-
-def exact_weight(cases: Cases, truth: Exact, fade: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """The weight (n,) in float64, and how far rounding may lead it astray."""
-    padding, falloff = (fade[name].astype(np.float64) for name in ("Padding", "Falloff"))
-    half = cases.half_widths.astype(np.float64)
-    outside = (np.abs(truth.origin) - half).max(-1) - padding
-    steps = np.clip(1.0 - outside / falloff, 0.0, 1.0)
-    reach = np.linalg.norm(cases.position.astype(np.float64) - cases.centre, axis=-1)
-    # P − C, the dot products; then |q| − h, its difference from the padding, the division and 1 − x
-    lost = ROUNDOFF * ((1 + ALONG[cases.correction]) * reach + (reach + half.max(-1)) + np.abs(outside))
-    lost = lost / falloff + 2 * ROUNDOFF
-    return steps * steps * (3.0 - 2.0 * steps), np.minimum(STEEPEST * lost + 6 * ROUNDOFF, 1.0)
 
 
 @pytest.mark.parametrize("outside", list(Outside), ids=lambda o: o.value)

@@ -1,4 +1,4 @@
-"""How to run lookup.json against an implementation: replace `lookup` by yours. Standard library only."""
+"""How to run lookup.json against an implementation: replace `lookup` and `weight` by yours. Standard library only."""
 
 import json
 import math
@@ -21,6 +21,14 @@ def lookup(case):
     return [(p - b) * nearness + r for p, b, r in zip(point, case["capture_point"], ray, strict=True)]
 
 
+def weight(case):
+    """How much of the point the probe has, 0 to 1."""
+    offset = [p - c for p, c in zip(case["position"], case["centre"], strict=True)]
+    beyond = max(abs(dot(n, offset)) - h for n, h in zip(case["face_normals"], case["half_widths"], strict=True))
+    share = min(max(1.0 - (beyond - case["padding"]) / case["falloff"], 0.0), 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
 def angle(a, b):
     """Radians between two vectors, exact for small angles too; half a turn for no direction at all."""
     cross = [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
@@ -29,5 +37,6 @@ def angle(a, b):
 
 cases = json.loads(Path(__file__).with_name("lookup.json").read_text(encoding="utf-8"))["cases"]
 wrong = [case for case in cases if not angle(lookup(case), case["direction"]) <= case["tolerance"]]
+wrong += [case for case in cases if not abs(weight(case) - case["weight"]) <= case["weight_tolerance"]]
 print(f"{len(cases)} cases, {len(wrong)} wrong", *sorted({case["family"] for case in wrong}), sep="\n")
 raise SystemExit(bool(wrong))

@@ -10,11 +10,13 @@ import numpy as np
 from pcc_addon.core.effects.records import Correction
 from tests.conformance.bound import direction_bound
 from tests.conformance.cases import Cases
+from tests.conformance.fades import beyond_walls, exact_weight, fades
 from tests.conformance.families import FAMILIES, Family
 from tests.conformance.reference import exact, exact_direction_in_50_digits
 
 FILE = Path(__file__).with_name("lookup.json")
-PER_FAMILY = 12
+PER_FAMILY = {Correction.ALIGNED_BOX: 6, Correction.ORIENTED_BOX: 12}
+IN_THE_FADE = 40
 ILL_POSED = 0.1  # radians; where single precision cannot say more, there is nothing to compare
 
 ABOUT = [
@@ -25,30 +27,43 @@ ABOUT = [
     "length 1 to rounding and need not be orthogonal; take them as they are.",
     "hit = position + t R with t >= 0 where the ray leaves the box: the least, over the planes that it runs towards, "
     "of the distance to them; 0 for a plane that it has passed already.",
+    "box: oriented, or aligned where the face normals are the world's axes, so that the box reaches from centre - "
+    "half_widths to centre + half_widths.",
     "direction: (hit - capture_point), normalised, computed with 50 digits. tolerance: the largest angle in radians by "
     "which a careful float32 implementation may miss it; docs/numerics.md derives it.",
+    "weight: 3 s^2 - 2 s^3 with s = 1 - (d - padding) / falloff, cut off to 0 ... 1; d is the largest of the distances "
+    "by which the point lies beyond a pair of planes. weight_tolerance: as above.",
 ]
 
 
 def text() -> str:
     """The file's text."""
     finite = [family for family in FAMILIES if family.finite]
-    lines = [json.dumps(record) for family in finite for record in _records(family.name, _some(family))]
+    kinds = [(family, correction) for family in finite for correction in PER_FAMILY if correction in family.corrections]
+    records = [record for kind in kinds for record in _records(kind[0].name, _some(*kind))]
+    for correction in PER_FAMILY:
+        cases, fade = beyond_walls(IN_THE_FADE, correction)
+        records += _records("in the fade", cases, fade)
+    lines = [json.dumps(record) for record in records]
     return json.dumps({"about": ABOUT}, indent=1)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(lines) + "\n ]\n}\n"
 
 
-def _some(family: Family) -> Cases:
-    cases = family.cases(64, Correction.ORIENTED_BOX)
+def _some(family: Family, correction: Correction) -> Cases:
+    cases = family.cases(64, correction)
     truth = exact(cases)
     usable = (direction_bound(cases, truth) < ILL_POSED) & truth.direction.any(-1)
-    return cases[np.flatnonzero(usable)[:PER_FAMILY]]
+    return cases[np.flatnonzero(usable)[: PER_FAMILY[correction]]]
 
 
-def _records(family: str, cases: Cases) -> list[dict]:
-    tolerance = direction_bound(cases, exact(cases))
+def _records(family: str, cases: Cases, fade: dict[str, np.ndarray] | None = None) -> list[dict]:
+    truth = exact(cases)
+    tolerance = direction_bound(cases, truth)
+    fade = fade or fades(cases, np.random.default_rng(len(family)))
+    weight, weight_tolerance = exact_weight(cases, truth, fade)
     return [
         {
             "family": family,
+            "box": cases.correction.words.removesuffix(" box"),
             "position": cases.position[k].tolist(),
             "incoming": cases.incoming[k].tolist(),
             "normal": cases.normal[k].tolist(),
@@ -58,6 +73,10 @@ def _records(family: str, cases: Cases) -> list[dict]:
             "capture_point": cases.capture_point[k].tolist(),
             "direction": [float(f"{c:.15g}") for c in exact_direction_in_50_digits(cases, k)],
             "tolerance": float(f"{1.01 * tolerance[k]:.3g}"),
+            "padding": float(fade["Padding"][k]),
+            "falloff": float(fade["Falloff"][k]),
+            "weight": float(f"{weight[k]:.12g}"),
+            "weight_tolerance": float(f"{1.01 * weight_tolerance[k]:.3g}"),
         }
         for k in range(len(cases))
     ]

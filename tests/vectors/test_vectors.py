@@ -8,10 +8,11 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import lookup as formula
-from pcc_addon.core.effects.records import Correction, LookupEffects
+from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from tests.conformance.reference import angle
 
 from . import make
@@ -36,12 +37,16 @@ def test_the_file_is_what_its_script_makes() -> None:
 
 
 def test_inputs_are_float32_numbers() -> None:
-    for name in ("position", "incoming", "normal", "centre", "face_normals", "half_widths", "capture_point"):
+    known = ("position", "incoming", "normal", "centre", "face_normals", "half_widths", "capture_point")
+    for name in (*known, "padding", "falloff"):
         values = column(name)
         np.testing.assert_array_equal(values, values.astype(np.float32))
 
 
-def test_the_formula_passes_in_single_precision() -> None:
+@pytest.mark.parametrize("box", ["aligned", "oriented"])
+def test_the_formula_passes_in_single_precision(box: str) -> None:
+    chosen = np.array([case["box"] == box for case in CASES])
+    assert chosen.sum() > 100
     inputs = {
         "Position": column("position"),
         "Incoming": column("incoming"),
@@ -50,9 +55,21 @@ def test_the_formula_passes_in_single_precision() -> None:
         **{f"Face Normal {axis}": column("face_normals")[:, k] for k, axis in enumerate("XYZ")},
         "Half Widths": column("half_widths"),
         "Capture Point": column("capture_point"),
+        "Padding": column("padding"),
+        "Falloff": column("falloff"),
     }
-    found = evaluate(formula.lookup(LookupEffects(Correction.ORIENTED_BOX, None)), inputs, np.float32)["Direction"]
-    assert (angle(found, column("direction")) <= column("tolerance")).all()
+    inputs = {name: values[chosen] for name, values in inputs.items()}
+    correction = Correction.ALIGNED_BOX if box == "aligned" else Correction.ORIENTED_BOX
+    found = evaluate(formula.lookup(LookupEffects(correction, Outside.OWN)), inputs, np.float32)
+    assert (angle(found["Direction"], column("direction")[chosen]) <= column("tolerance")[chosen]).all()
+    off = np.abs(found["Weight"] - column("weight")[chosen])
+    assert (off <= column("weight_tolerance")[chosen]).all()
+
+
+def test_there_are_cases_inside_outside_and_in_the_fade() -> None:
+    weight, sure = column("weight"), column("weight_tolerance") < 1e-3
+    assert min(((weight == 1.0) & sure).sum(), ((weight == 0.0) & sure).sum()) > 20
+    assert ((weight > 0.01) & (weight < 0.99) & sure).sum() > 20
 
 
 def test_the_example_runner_passes_and_is_short(tmp_path) -> None:
@@ -60,7 +77,7 @@ def test_the_example_runner_passes_and_is_short(tmp_path) -> None:
     result = run(script, tmp_path)
     assert result.returncode == 0, result.stdout + result.stderr
     assert f"{len(CASES)} cases, 0 wrong" in result.stdout
-    assert len(script.splitlines()) <= 45
+    assert len(script.splitlines()) <= 55
 
 
 def test_the_runner_tells_which_families_a_faulty_implementation_fails(tmp_path) -> None:
@@ -70,6 +87,7 @@ def test_the_runner_tells_which_families_a_faulty_implementation_fails(tmp_path)
         "math.copysign(q, q * speed)": "abs(q)",
         "nearness + r": "+ r",
         "return [(p - b)": "return [0.0, 0.0, 0.0] or [(p - b)",
+        'beyond - case["padding"]': 'beyond + case["padding"]',
     }
     for right, wrong in faults.items():
         assert right in script
