@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
+from dataclasses import fields
 from typing import Any
 
 import bpy
@@ -28,6 +29,13 @@ _CYCLES = (
     "blur_glossy",
     "use_fast_gi",
 )
+# Fields of a probe's record that its pictures depend on; the capture point stands for the box and the offset.
+_CAPTURED = [
+    field.name
+    for field in fields(ProbeSpec)
+    if field.name
+    not in {"name", "box", "capture_offset", "padding", "falloff", "outside", "corrected", "hidden", "animated"}
+]
 _NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
 _ID_BOOKKEEPING = {p.identifier for p in bpy.types.ID.bl_rna.properties}
 _NODE_BOOKKEEPING = {p.identifier for p in bpy.types.Node.bl_rna.properties} - {"mute"}
@@ -52,16 +60,8 @@ class SceneFingerprint:
     def content_hash(self, probe: ProbeSpec) -> str:
         """A hexadecimal SHA-256 of all that the probe's pictures depend on."""
         digest = hashlib.sha256(self._setting.encode())
-        settings = (
-            tuple(np.float32(probe.capture_point).tolist()),
-            probe.resolution,
-            probe.samples,
-            probe.engine.value,
-            probe.denoise,
-            probe.clip_start,
-            probe.clip_end,
-        )
-        digest.update(repr(settings).encode())
+        settings = [getattr(probe, name) for name in _CAPTURED]
+        digest.update(repr([np.float32(probe.capture_point).tolist(), *settings]).encode())
         for name in sorted(self._objects):
             if name not in probe.hidden:
                 digest.update(self._objects[name])

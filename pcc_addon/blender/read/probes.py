@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import bpy
 import numpy as np
@@ -11,6 +12,14 @@ from ...core.effects.records import Outside
 from ...core.errors import PccError
 from ...core.probe import Box, Engine, ProbeSpec
 from ...core.sidecar import Sidecar
+
+
+# The fields of a record that are what the setting of the same name says.
+_AS_SET = [
+    field.name
+    for field in fields(ProbeSpec)
+    if field.type in {"int", "float", "bool"} and field.name not in {"corrected", "animated"}
+]
 
 
 def all_probes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
@@ -52,18 +61,12 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         name=probe.name,
         box=Box.from_matrix(probe.name, _drawn_cube(probe)),
         capture_offset=tuple(settings.capture_offset),
-        resolution=settings.resolution,
-        samples=settings.samples,
         engine=Engine(settings.engine),
-        denoise=settings.denoise,
-        clip_start=settings.clip_start,
-        clip_end=settings.clip_end,
-        padding=settings.padding,
-        falloff=settings.falloff,
         outside=Outside(settings.outside),
         corrected=settings.correction == "BOX",
         hidden=tuple(o.name for o in hidden_objects(probe)),
         animated=is_animated(probe),
+        **{name: getattr(settings, name) for name in _AS_SET},
     )
 
 
