@@ -26,7 +26,8 @@ from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
 from ..read.probes import probe_spec
 from ..read.scene import missing_textures, read_scene
-from ..shade import groups, live, twin
+from ..shade import groups, twin
+from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
 from ..store import levels
 from .capture import OVERSCAN, Stage
@@ -150,6 +151,8 @@ class BakeJob:
         total = sum(task.steps for task in tasks)
         done = 0
         yield
+        # Once all is as it was: what a bake changes in its probes' groups may call for other twins.
+        self._stack.callback(handlers.bring_all_up_to_date, self._scene)
         self._stack.enter_context(handlers.paused())
         stage = Stage(self._stack, self._scene, self._view_layer)
         _show_diffuse_only(self._stack, plan)
@@ -212,7 +215,7 @@ class BakeJob:
             replaced_pixels=tuple(replaced),
         )
         levels.store(probe, record, pictures, self._folder)
-        live.refresh_probe(probe, self._scene.pcc.roughness_limit, task.plan.receivers, task.plan.shares)
+        refresh_group(probe, task.plan.receivers, task.plan.shares)
         images = [level.image for level in probe.pcc_probe.levels]
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced), warnings))

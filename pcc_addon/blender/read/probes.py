@@ -13,7 +13,6 @@ from ...core.errors import PccError
 from ...core.probe import Box, Engine, ProbeSpec
 from ...core.sidecar import Sidecar
 
-
 # The fields of a record that are what the setting of the same name says.
 _AS_SET = [
     field.name
