@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from .belonging import Belongings, belongings
+from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of
 from .effects.records import LookupEffects
 from .effects.surface import SurfaceEffects, surface_effects
 from .pictures import LADDER, PictureKey, PictureKind
@@ -15,13 +16,6 @@ from .probe import ProbeSpec, Receivers
 from .readings import CameraReading, MaterialReading, SceneReading, SurfaceReading
 
 SAMPLERS = 30  # pictures that EEVEE lets a material read, beside two of its own
-_NOT_HANDLED = {
-    "Transmission Weight": "transmits light",
-    "Coat Weight": "has a coat",
-    "Sheen Weight": "has sheen",
-    "Anisotropic": "is anisotropic",
-    "Thin Film Thickness": "has a thin film",
-}
 
 
 @dataclass(frozen=True)
@@ -34,6 +28,7 @@ class SurfacePlan:
         roughness: the least and the greatest that it may have.
         reasons: why, in words; all of them.
         handed_over: the roughness from which on it is left to its own lobe, where it may be so rough; else None.
+        layered: whether something lies over the lobe, such as a coat.
     """
 
     path: tuple[str, ...]
@@ -41,6 +36,7 @@ class SurfacePlan:
     roughness: tuple[float, float]
     reasons: tuple[str, ...]
     handed_over: float | None = None
+    layered: bool = False
 
     @property
     def name(self) -> str:
@@ -143,27 +139,41 @@ def plan_surfaces(material: MaterialReading, roughness_limit: float) -> tuple[Su
 
 
 def _plan_surface(surface: SurfaceReading, limit: float) -> SurfacePlan:
-    if surface.kind != "ShaderNodeBsdfPrincipled":
-        words = surface.kind.removeprefix("ShaderNode").removeprefix("Bsdf")
-        return SurfacePlan(surface.path, None, (0.0, 0.0), (f"it is no Principled BSDF but a {words} shader",))
-    reasons = [what for name, what in _NOT_HANDLED.items() if surface.has(name) and surface.value(name) != 0.0]
-    ior, roughness = surface.scalar("IOR"), surface.scalar("Roughness")
-    if ior is None:
-        reasons.append("has a varying IOR")
-    elif ior < 1.0:
-        reasons.append("has an IOR below 1")
-    if roughness is not None and roughness > limit:
-        reasons.append(f"its roughness {roughness:.3g} is above the scene's limit {limit:.3g}")
-    effects = None if reasons else surface_effects(surface)
+    roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
+    reasons = list(_refusals(surface, roughness, limit))
+    effects = None if reasons or surface.kind not in KINDS else surface_effects(surface)
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
+    if effects is None:
+        return SurfacePlan(surface.path, None, (low, high), tuple(reasons or ["it reflects nothing"]))
     handed_over = limit if high > limit else None
-    if effects is not None:
-        how = f"roughness {low:.3g}" if low == high else "roughness varies"
-        beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
-        reasons = [how + beyond, effects.label]
-    elif not reasons:
-        reasons = ["it reflects nothing"]
-    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons), handed_over)
+    how = f"roughness {low:.3g}" if low == high else "roughness varies"
+    beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
+    layers = layers_of(surface)
+    reasons = [how + beyond, effects.label, *(f"its {layer} lies over that as it is" for layer in layers)]
+    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons), handed_over, bool(layers))
+
+
+def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) -> Iterator[str]:
+    """Why a surface keeps its own lobe, all reasons; none where a probe can serve it or it reflects nothing."""
+    if surface.kind in WITHOUT_GLOSS:
+        return
+    kind = KINDS.get(surface.kind)
+    if kind is None:
+        words = surface.kind.removeprefix("ShaderNode").removeprefix("Bsdf")
+        yield f"no probe serves {words} shaders; a Principled BSDF would show one"
+        return
+    yield from (why for name, why in kind.refused.items() if surface.has(name) and surface.value(name) != 0.0)
+    if surface.distribution and surface.distribution not in MICROFACETS:
+        yield f"its microfacets are {surface.distribution.replace('_', ' ').title()}; GGX would let it show a probe"
+    if surface.fresnel not in ("", "F82"):
+        yield "has a physical conductor's curve; F82 Tint would let it show a probe"
+    ior = surface.scalar("IOR") if surface.has("IOR") else 1.0
+    if ior is None:
+        yield "has a varying IOR; a constant one would let it show a probe"
+    elif ior < 1.0:
+        yield "has an IOR below 1"
+    if roughness is not None and roughness > limit:
+        yield f"its roughness {roughness:.3g} is above the scene's limit {limit:.3g}"
 
 
 def _plan_material(material: MaterialReading, owners: dict[str, dict[str, float]], limit: float) -> MaterialPlan:

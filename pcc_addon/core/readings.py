@@ -24,12 +24,14 @@ class SurfaceReading:
         kind: its node's type, such as "ShaderNodeBsdfPrincipled".
         inputs: its inputs by name, each constant or None where it varies.
         distribution: of its microfacets, such as "MULTI_GGX"; empty where it has none.
+        fresnel: its choice of a Fresnel curve, such as "F82"; empty where it has none.
     """
 
     path: tuple[str, ...]
     kind: str
     inputs: tuple[tuple[str, Value], ...]
     distribution: str = ""
+    fresnel: str = ""
 
     def has(self, name: str) -> bool:
         return any(known == name for known, _ in self.inputs)

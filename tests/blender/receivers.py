@@ -7,7 +7,7 @@ from collections.abc import Callable
 import bpy
 
 from sample_blends.scenes import principled_node
-from tests.blender.materials import OF_ONE_SURFACE, Material, image_texture, link, new, output_of, shiny
+from tests.blender.materials import OF_ONE_SURFACE, Material, image_texture, link, new, output_of, shiny, textured
 
 
 def mixed() -> Material:
@@ -127,7 +127,31 @@ def muted() -> Material:
     return material
 
 
+def coated() -> Material:
+    material = textured()
+    inputs = principled_node(material).inputs
+    inputs["Coat Weight"].default_value, inputs["Sheen Weight"].default_value = 0.5, 0.3
+    inputs["Emission Strength"].default_value = 0.0
+    return material
+
+
+def glossy() -> Material:
+    material = shiny()
+    node = new(material, "ShaderNodeBsdfAnisotropic")
+    link(material, node.outputs[0], output_of(material).inputs["Surface"])
+    return material
+
+
+def metallic_bsdf() -> Material:
+    material = shiny()
+    node = new(material, "ShaderNodeBsdfMetallic")
+    node.fresnel_type = "F82"
+    link(material, node.outputs[0], output_of(material).inputs["Surface"])
+    return material
+
+
 RECEIVERS: list[Callable[[], Material]] = [
     *OF_ONE_SURFACE, mixed, one_shader_twice, added, nested, one_group_twice, outputs_of_each_engine,
     an_output_for_cycles_beside_one_for_all, an_inactive_output, a_later_output_in_force, muted,
+    coated, glossy, metallic_bsdf,
 ]  # fmt: skip

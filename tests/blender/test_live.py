@@ -71,7 +71,7 @@ def test_an_edit_inside_a_group_reaches_the_twin(probe) -> None:
 
 
 def test_a_surface_that_cannot_be_served_for_a_while_shows_the_probe_again(material, probe) -> None:
-    coat = principled_node(material).inputs["Coat Weight"]
+    coat = principled_node(material).inputs["Transmission Weight"]
     coat.default_value = 0.5
     update()
     assert levels_read(material) == set()

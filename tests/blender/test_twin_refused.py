@@ -39,8 +39,6 @@ def refused_texture(name: str) -> Callable[[], Material]:
 REFUSED = {
     "has a varying IOR": refused_texture("IOR"),
     "transmits light": refused_input("Transmission Weight", 0.5),
-    "has a coat": refused_input("Coat Weight", 0.5),
-    "has sheen": refused_input("Sheen Weight", 0.5),
     "is anisotropic": refused_input("Anisotropic", 0.5),
     "has a thin film": refused_input("Thin Film Thickness", 300.0),
 }
@@ -82,7 +80,7 @@ def test_a_linked_material_is_unchanged_and_named(probe, tmp_path: Path) -> None
 
 
 def test_refused_materials_do_not_keep_others_from_showing_the_probe(probe) -> None:
-    refused, material = REFUSED["has a coat"](), shiny("Good")
+    refused, material = REFUSED["is anisotropic"](), shiny("Good")
     show(refused), show(material)
     report = put_in()
     assert [name for name, _ in report.materials] == ["Good"] and len(report.notes) == 1
@@ -101,20 +99,20 @@ def test_a_material_that_is_too_rough_is_unchanged_and_named(probe) -> None:
 
 
 def test_all_reasons_are_given(probe) -> None:
-    material = principled("Odd", Coat_Weight=0.5, Sheen_Weight=0.5)
+    material = principled("Odd", Transmission_Weight=0.5, Anisotropic=0.5)
     show(material)
-    check_refused(material, "has a coat and has sheen")
+    check_refused(material, "transmits light and is anisotropic")
 
 
 def test_a_refused_surface_does_not_keep_the_others_of_its_material_from_showing_the_probe(probe) -> None:
     material = mixed()
-    material.node_tree.nodes["Principled BSDF.001"].inputs["Coat Weight"].default_value = 0.5
+    material.node_tree.nodes["Principled BSDF.001"].inputs["Anisotropic"].default_value = 0.5
     show(material)
     before = settled()
     report = put_in()
     assert report.materials == ((material.name, probe.name),)
     [note] = report.notes
-    assert "surface 'Principled BSDF.001' keeps its own lobe: has a coat" in note
+    assert "surface 'Principled BSDF.001' keeps its own lobe: is anisotropic" in note
     remove()
     assert difference(before, of_the_user()) == []
 

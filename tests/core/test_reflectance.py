@@ -12,6 +12,7 @@ import pytest
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects.dielectric import Dielectric
 from pcc_addon.core.effects.fresnel import f0_from_ior, fresnel_dielectric, ior_from_f0
+from pcc_addon.core.effects.glossy import Glossy
 from pcc_addon.core.effects.metal import Metal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.surface import SurfaceEffects, surface
@@ -201,6 +202,22 @@ def test_a_mirror_metal_starts_at_its_colour_and_ends_white() -> None:
     base = (0.9, 0.5, 0.1)
     reflected, _ = light(metal(0.0), np.array([1.0, 0.0]), base=base, metallic=1.0)
     np.testing.assert_allclose(reflected, [base, WHITE], atol=1e-12)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.3])
+def test_a_glossy_surface_has_its_colour_at_every_angle(roughness: float) -> None:
+    color = np.array([0.9, 0.5, 0.1])
+    inputs = {"Radiance": np.ones(3), "Color": color, "Roughness": roughness, "Normal": np.array([0.0, 0.0, 1.0])}
+    cosines = VIEWS
+    inputs["Incoming"] = np.stack([np.sqrt(1.0 - cosines**2), 0.0 * cosines, cosines], -1)
+    once, often = (
+        evaluate(surface(SurfaceEffects(effects, leaves_base=False)), inputs, np.float64)
+        for effects in ((Glossy(),), (Multiscatter(), Glossy()))
+    )
+    assert once.keys() == {"Reflection"}
+    albedo = directional_averages(VIEWS, roughness, [np.ones_like], grid=160)[0] if roughness else np.ones(len(VIEWS))
+    np.testing.assert_allclose(np.broadcast_to(once["Reflection"], (len(VIEWS), 3)), albedo[:, None] * color, rtol=0.01)
+    assert (often["Reflection"] >= once["Reflection"] - 1e-3).all() and (often["Reflection"] <= color + 2e-3).all()
 
 
 def test_a_metals_tint_is_its_colour_at_82_degrees_and_nowhere_else() -> None:

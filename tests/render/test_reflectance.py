@@ -10,6 +10,7 @@ import pytest
 from mathutils import Vector
 
 from benchmarks.measure import render
+from pcc_addon.blender.shade.twin import has_twins
 from sample_blends.scenes import add_camera, empty_scene, principled
 
 ANGLES = [math.radians(a) for a in (90, 45, 20, 8)]
@@ -27,6 +28,21 @@ SURFACES = [
     {"Roughness": 0.2, "Metallic": 0.5},
     {"Roughness": 0.3, "Alpha": 0.4},
     {"Roughness": 0.3, "Emission Strength": 0.5, "Emission Color": (0.2, 0.4, 0.6, 1.0)},
+]
+
+
+LAYERED = [
+    {"Roughness": 0.0, "Coat Weight": 1.0, "Coat Roughness": 0.0},
+    {"Roughness": 0.3, "Coat Weight": 0.7, "Coat Roughness": 0.1, "Coat Tint": (0.9, 0.5, 0.2, 1.0)},
+    {"Roughness": 0.2, "Metallic": 1.0, "Coat Weight": 1.0, "Coat Roughness": 0.2},
+    {"Roughness": 0.2, "Sheen Weight": 1.0, "Sheen Roughness": 0.4},
+    {"Roughness": 0.1, "Coat Weight": 1.0, "Alpha": 0.5, "Emission Strength": 0.5},
+]
+OTHERS = [
+    ("ShaderNodeBsdfAnisotropic", {"Roughness": 0.0}),
+    ("ShaderNodeBsdfAnisotropic", {"Roughness": 0.4}),
+    ("ShaderNodeBsdfMetallic", {"Roughness": 0.0}),
+    ("ShaderNodeBsdfMetallic", {"Roughness": 0.4, "Edge Tint": (0.2, 0.5, 1.0, 1.0)}),
 ]
 
 
@@ -57,16 +73,38 @@ def _seen(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize("inputs", SURFACES, ids=lambda inputs: ", ".join(f"{k} {v}" for k, v in inputs.items()))
+@pytest.mark.parametrize(
+    "inputs", SURFACES + LAYERED, ids=lambda inputs: ", ".join(f"{k} {v}" for k, v in inputs.items())
+)
 def test_reflected_and_diffuse_light_add_up_as_in_cycles(white_world: bpy.types.Scene, inputs: dict) -> None:
     keys = {key.replace(" ", "_"): value for key, value in inputs.items()}
-    material = principled("Surface", Base_Color=(0.6, 0.3, 0.1, 1.0), **keys)
+    _compare(white_world, principled("Surface", Base_Color=(0.6, 0.3, 0.1, 1.0), **keys))
+
+
+@pytest.mark.parametrize("distribution", ["GGX", "MULTI_GGX"])
+@pytest.mark.parametrize(("kind", "inputs"), OTHERS)
+def test_other_lobes_reflect_as_in_cycles(
+    white_world: bpy.types.Scene, kind: str, inputs: dict, distribution: str
+) -> None:
+    material = principled("Surface")
+    node = material.node_tree.nodes.new(kind)
+    node.distribution = distribution
+    node.inputs[0].default_value = (0.6, 0.3, 0.1, 1.0)
+    for name, value in inputs.items():
+        node.inputs[name].default_value = value
+    output = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    material.node_tree.links.new(node.outputs[0], output.inputs["Surface"])
+    _compare(white_world, material)
+
+
+def _compare(white_world: bpy.types.Scene, material: bpy.types.Material) -> None:
     plane = bpy.data.objects["Plane"]
     plane.data.materials.clear()
     plane.data.materials.append(material)
     truth = _seen(white_world, 256)
     bpy.ops.pcc.bake(scope="ALL")
     bpy.ops.pcc.inject()
+    assert has_twins(material)
     ours = _seen(white_world, 16)
     bpy.ops.pcc.remove()
     # Monte Carlo noise of the truth, and the fit of rough lobes (0.03 at worst, at grazing angles only).

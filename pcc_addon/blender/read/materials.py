@@ -86,7 +86,9 @@ def _leaves(
 
 def _surface(node: bpy.types.Node, scope: Scope) -> SurfaceReading:
     inputs = tuple((socket.name, constant(socket, scope)) for socket in node.inputs if socket.enabled)
-    return SurfaceReading(scope.path(node), node.bl_idname, inputs, getattr(node, "distribution", ""))
+    return SurfaceReading(
+        scope.path(node), node.bl_idname, inputs, getattr(node, "distribution", ""), getattr(node, "fresnel_type", "")
+    )
 
 
 def _glows(node: bpy.types.Node, scope: Scope) -> bool:

@@ -59,7 +59,7 @@ def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
     lines += [f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs}" for shown in order.probes]
     for path, surface in sorted(order.surfaces.items()):
         levels = [neighbours(shown.rungs, *surface.roughness) for shown in order.probes]
-        lines.append(f"{path} {surface.effects} {levels} {surface.handed_over}")
+        lines.append(f"{path} {surface.effects} {levels} {surface.handed_over} {surface.layered}")
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import bpy
 
@@ -19,6 +19,7 @@ PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for lat
 VALUES = "values"  # note on a twin's node: which of its inputs repeat which of the original's
 OF = "of"  # note on a twin's node: the name of the original
 _FROM_THE_PROBE = {"Base Color", "Metallic", "Specular IOR Level"}  # inputs of the diffuse part that are not copied
+_ShaderOf = Callable[[bpy.types.Node, bpy.types.Node, SurfacePlan, int], bpy.types.NodeSocket]
 _ROW = 320.0  # between the probes of one surface
 _DROP = -700.0  # how far below the original its twin is drawn
 
@@ -114,26 +115,92 @@ class TwinBuilder:
                 tree.links.new(feeding, socket)
         return tree
 
-    def _surface(self, node: bpy.types.ShaderNodeBsdfPrincipled, plan: SurfacePlan) -> bpy.types.NodeSocket:
-        """A Principled surface without its specular lobe, plus what the probes reflect in its place."""
-        diffuse = self.new("ShaderNodeBsdfPrincipled", node)
-        diffuse.name = f"PCC {node.name}"
-        _copy_settings(node, diffuse)
-        self._fill(node, diffuse, without=_FROM_THE_PROBE)
-        diffuse.inputs["Metallic"].default_value = 0.0
-        diffuse.inputs["Specular IOR Level"].default_value = 0.0
+    def _surface(self, node: bpy.types.Node, plan: SurfacePlan) -> bpy.types.NodeSocket:
+        """A surface without its specular lobe, plus what the probes reflect in its place."""
         lit = self._lit(node, plan, 0)
-        self.tree.links.new(lit.outputs["Diffuse Color"], diffuse.inputs["Base Color"])
+        base = self._base(node, lit, plan) if plan.effects.leaves_base else None
         if not self.order.probes:
-            return diffuse.outputs[0]
-        total = self.new("ShaderNodeAddShader", node, right=480.0)
-        reflection, coverage = self._reflections(node, plan, lit)
-        self.tree.links.new(diffuse.outputs[0], total.inputs[0])
-        self.tree.links.new(reflection, total.inputs[1])
-        return self._over_own_lobe(node, plan, total, coverage)
+            return base or self._nothing(node)
+        if plan.layered:
+            reflection, coverage = self._reflections(node, plan, lit, self._under_layers)
+            seen = self._mix(node, 480.0, 0, 1.0, base, reflection)
+            marks.tag(seen.node, GLOW)
+        else:
+            seen, coverage = self._reflections(node, plan, lit, self._glow)
+            if base is not None:
+                total = self.new("ShaderNodeAddShader", node, right=480.0)
+                self.tree.links.new(base, total.inputs[0])
+                self.tree.links.new(seen, total.inputs[1])
+                seen = total.outputs[0]
+        return self._over_own_lobe(node, plan, seen, coverage)
+
+    def _nothing(self, node: bpy.types.Node) -> bpy.types.NodeSocket:
+        """A shader that is black."""
+        black = self.new("ShaderNodeEmission", node)
+        black.inputs["Strength"].default_value = 0.0
+        return black.outputs[0]
+
+    def _base(
+        self, node: bpy.types.Node, lit: bpy.types.Node, plan: SurfacePlan, *, layers: bool = False
+    ) -> bpy.types.NodeSocket:
+        """The shader of what a Principled surface has beside its lobe; without coat, which shows in no capture."""
+        base = self.new(node.bl_idname, node)
+        base.name = f"PCC {node.name}"
+        _copy_settings(node, base)
+        without = _FROM_THE_PROBE if layers or not plan.layered else _FROM_THE_PROBE | {"Coat Weight"}
+        self._fill(node, base, without=without)
+        for name in without - {"Base Color"}:
+            base.inputs[name].default_value = 0.0
+        self.tree.links.new(lit.outputs["Diffuse Color"], base.inputs["Base Color"])
+        return base.outputs[0]
+
+    def _glow(self, node: bpy.types.Node, lit: bpy.types.Node, plan: SurfacePlan, row: int) -> bpy.types.NodeSocket:
+        """The shader of a reflection with nothing over it."""
+        glow = self.new("ShaderNodeEmission", node, right=20.0, down=_ROW * row + 160.0)
+        marks.tag(glow, GLOW)
+        self.tree.links.new(lit.outputs["Reflection"], glow.inputs["Color"])
+        if "Alpha" in node.inputs:
+            self._feed(node.inputs["Alpha"], glow.inputs["Strength"])
+        return glow.outputs[0]
+
+    def _under_layers(
+        self, node: bpy.types.Node, lit: bpy.types.Node, plan: SurfacePlan, row: int
+    ) -> bpy.types.NodeSocket:
+        """The shader of a whole surface that emits the reflection: coat and sheen dim it as they dim its own light."""
+        whole = self._base(node, lit, plan, layers=True)
+        add = self.new("ShaderNodeVectorMath", node, right=-20.0, down=_ROW * row + 160.0)
+        add.operation = "MULTIPLY_ADD"
+        self._feed(node.inputs["Emission Color"], add.inputs[0])
+        self._feed(node.inputs["Emission Strength"], add.inputs[1])
+        self.tree.links.new(lit.outputs["Reflection"], add.inputs[2])
+        self.tree.links.new(add.outputs[0], whole.node.inputs["Emission Color"])
+        for link in whole.node.inputs["Emission Strength"].links:
+            self.tree.links.remove(link)
+        _forget_value(whole.node, "Emission Strength")
+        whole.node.inputs["Emission Strength"].default_value = 1.0
+        return whole
+
+    def _mix(
+        self,
+        node: bpy.types.Node,
+        right: float,
+        row: int,
+        share: bpy.types.NodeSocket | float,
+        first: bpy.types.NodeSocket,
+        second: bpy.types.NodeSocket,
+    ) -> bpy.types.NodeSocket:
+        """The second shader over the first; muted, it is the first."""
+        mix = self.new("ShaderNodeMixShader", node, right=right, down=_ROW * row)
+        if isinstance(share, float):
+            mix.inputs[0].default_value = share
+        else:
+            self.tree.links.new(share, mix.inputs[0])
+        self.tree.links.new(first, mix.inputs[1])
+        self.tree.links.new(second, mix.inputs[2])
+        return mix.outputs[0]
 
     def _over_own_lobe(
-        self, node: bpy.types.Node, plan: SurfacePlan, seen: bpy.types.Node, coverage: bpy.types.NodeSocket | None
+        self, node: bpy.types.Node, plan: SurfacePlan, seen: bpy.types.NodeSocket, coverage: bpy.types.NodeSocket | None
     ) -> bpy.types.NodeSocket:
         """The probes' reflection where they cover the surface, the original elsewhere and for diffuse rays.
 
@@ -141,8 +208,6 @@ class TwinBuilder:
         caustic that the renderer filters and clamps as ever. Walls then are lit as without the probe.
         """
         path = self.new("ShaderNodeLightPath", node, right=480.0, down=200.0)
-        mix = self.new("ShaderNodeMixShader", node, right=880.0)
-        marks.tag(mix, GLOW)  # muted, it passes the first shader on
         share = path.outputs["Is Diffuse Ray"]
         if coverage is not None or plan.handed_over is not None:
             own = self._call(choice.own_share(plan.handed_over), node, 680.0, 0, {"Diffuse Ray": share})
@@ -153,10 +218,9 @@ class TwinBuilder:
             if plan.handed_over is not None:
                 self._feed(node.inputs["Roughness"], own.inputs["Roughness"])
             share = own.outputs["Share"]
-        self.tree.links.new(share, mix.inputs[0])
-        self.tree.links.new(seen.outputs[0], mix.inputs[1])
-        self.tree.links.new(node.outputs[0], mix.inputs[2])
-        return mix.outputs[0]
+        mixed = self._mix(node, 880.0, 0, share, seen, node.outputs[0])
+        marks.tag(mixed.node, GLOW)
+        return mixed
 
     def _lit(self, node: bpy.types.Node, plan: SurfacePlan, row: int) -> bpy.types.Node:
         """The group node that makes a surface's reflection of a radiance."""
@@ -173,7 +237,7 @@ class TwinBuilder:
         return lit
 
     def _reflections(
-        self, node: bpy.types.Node, plan: SurfacePlan, lit: bpy.types.Node
+        self, node: bpy.types.Node, plan: SurfacePlan, lit: bpy.types.Node, shader_of: _ShaderOf
     ) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket | None]:
         """The shader that emits what the probes reflect, each where it is the right one, and how much they cover.
 
@@ -189,13 +253,10 @@ class TwinBuilder:
             if row > 0:
                 lit = self._lit(node, plan, row)
             self.tree.links.new(self._radiance(node, plan, shown, probe, row), lit.inputs["Radiance"])
-            glow = self.new("ShaderNodeEmission", node, right=20.0, down=_ROW * row + 160.0)
-            marks.tag(glow, GLOW)
-            self.tree.links.new(lit.outputs["Reflection"], glow.inputs["Color"])
-            self._feed(node.inputs["Alpha"], glow.inputs["Strength"])
+            one = shader_of(node, lit, plan, row)
             weight = probe.outputs.get("Weight")
             if shader is None:
-                shader, coverage = glow.outputs[0], weight
+                shader, coverage = one, weight
                 if len(self.order.probes) > 1:
                     start = self._call(choice.START, node, -500.0, 0, {"Depth": probe.outputs["Depth"]})
                     distance = start.outputs["Distance"]
@@ -206,11 +267,7 @@ class TwinBuilder:
             step.inputs["Fade"].default_value = shown.fade
             for name in known.keys() - given.keys():  # a probe that has all of what is its share
                 step.inputs[name].default_value = 1.0
-            mix = self.new("ShaderNodeMixShader", node, right=240.0, down=_ROW * row)
-            self.tree.links.new(step.outputs["Share"], mix.inputs[0])
-            self.tree.links.new(shader, mix.inputs[1])
-            self.tree.links.new(glow.outputs[0], mix.inputs[2])
-            shader = mix.outputs[0]
+            shader = self._mix(node, 240.0, row, step.outputs["Share"], shader, one)
             coverage, distance = step.outputs["Coverage"], step.outputs["Distance"]
         return shader, coverage
 
@@ -257,11 +314,20 @@ def repeat_value(old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:
     """Give an input the value of another, which may be of another width; nothing happens where it has it already."""
     value = old.default_value
     if hasattr(new.default_value, "__len__"):
-        value = tuple(value)[: len(new.default_value)]
+        value = (
+            tuple(value)[: len(new.default_value)] if hasattr(value, "__len__") else (value,) * len(new.default_value)
+        )
         if tuple(new.default_value) != value:
             new.default_value = value
     elif new.default_value != value:
         new.default_value = value
+
+
+def _forget_value(node: bpy.types.Node, name: str) -> None:
+    """Let an input of a twin no longer repeat that of the original."""
+    values = dict(marks.noted(node, VALUES, {}))
+    values.pop(node.inputs[name].identifier, None)
+    marks.note(node, VALUES, values)
 
 
 def _copy_settings(node: bpy.types.Node, copy: bpy.types.Node) -> None:

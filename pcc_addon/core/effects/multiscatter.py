@@ -27,9 +27,16 @@ class Multiscatter:
         return replace(shading, keeps_energy=True)
 
 
-def with_returned_energy(single: Expr, f0: Expr | float, lobe: Lobe) -> Expr:
-    """A lobe's reflectance by single scattering, whose facets reflect `f0` at normal incidence, plus the rest."""
-    average_fresnel = f0 + (1.0 - f0) * (1.0 / 21.0)
+def with_returned_energy(single: Expr, f0: Expr | float, lobe: Lobe, *, at_all_angles: bool = False) -> Expr:
+    """A lobe's reflectance by single scattering, plus the rest.
+
+    Args:
+        single: by single scattering.
+        f0: what its facets reflect at normal incidence.
+        lobe: the lobe.
+        at_all_angles: whether they reflect as much at all others.
+    """
+    average_fresnel = f0 if at_all_angles else f0 + (1.0 - f0) * (1.0 / 21.0)
     average_albedo, albedo = lobe.average_albedo(), lobe.albedo()
     returned = average_fresnel * average_albedo / (1.0 - average_fresnel * (1.0 - average_albedo))
     return single * (1.0 + returned * ((1.0 - albedo) / albedo))

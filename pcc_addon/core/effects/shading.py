@@ -13,6 +13,8 @@ METALLIC = scalar("Metallic")
 ROUGHNESS = scalar("Roughness")
 SPECULAR_LEVEL = scalar("Specular IOR Level")
 SPECULAR_TINT = vector("Specular Tint")
+COLOR = vector("Color")
+EDGE_TINT = vector("Edge Tint")
 
 
 @dataclass(frozen=True)
