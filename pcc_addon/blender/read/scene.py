@@ -11,7 +11,7 @@ from ...core.errors import PccError
 from ...core.readings import PlacementReading, ProbeReading, SceneReading
 from .. import marks
 from .materials import read_material
-from .probes import all_probes, bake_record, is_animated, probe_spec
+from .probes import all_probes, bake_record, check_place, is_animated, probe_spec
 
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
 
@@ -24,7 +24,7 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
         materials.update({material.name_full: material for material in shown})
     return SceneReading(
         name=scene.name,
-        probes=tuple(read_probe(probe) for probe in all_probes(scene)),
+        probes=tuple(read_probe(probe, view_layer) for probe in all_probes(scene)),
         materials=tuple(read_material(materials[name]) for name in sorted(materials)),
         placements=tuple(placements),
         roughness_limit=scene.pcc.roughness_limit,
@@ -33,10 +33,11 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
     )
 
 
-def read_probe(probe: bpy.types.Object) -> ProbeReading:
+def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> ProbeReading:
     """One probe; whatever is wrong with it becomes its fault."""
     spec, captured_at, fault = None, None, ""
     try:
+        check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
         captured_at = record.capture_point if record else None
