@@ -1,5 +1,14 @@
 """`python -m pcc_addon SUB FILE.blend …`: the shell command with Blender as a module."""
 
-from .cli import main
+from .stopping import hold
 
-raise SystemExit(main())
+
+def run() -> int:
+    """Nothing interrupts the start: `main` answers what came meanwhile."""
+    hold()
+    from .cli import main
+
+    return main()
+
+
+raise SystemExit(run())

@@ -14,8 +14,9 @@ from typing import TextIO
 def quiet_blender() -> Iterator[TextIO]:
     """Standard output for us alone: Blender's own lines, from C code and through Python, go nowhere."""
     _flush_all()
+    _open_what_is_closed()
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    out = os.fdopen(os.dup(kept), "w", encoding="utf-8")
+    out = os.fdopen(os.dup(kept), "w", encoding="utf-8", errors="backslashreplace")
     os.dup2(nowhere, 1)
     try:
         with open(os.devnull, "w", encoding="utf-8") as silence, contextlib.redirect_stdout(silence):
@@ -23,13 +24,26 @@ def quiet_blender() -> Iterator[TextIO]:
     finally:
         _flush_all()
         os.dup2(kept, 1)
-        out.close()
+        with contextlib.suppress(OSError):  # whoever wrote has met the fault already
+            out.close()
         os.close(kept)
         os.close(nowhere)
 
 
+def _open_what_is_closed() -> None:
+    """Whoever started us may have closed standard output; the next file to be opened must not become it."""
+    try:
+        os.fstat(1)
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        if nowhere != 1:
+            os.dup2(nowhere, 1)
+            os.close(nowhere)
+
+
 def _flush_all() -> None:
     """Empty Python's buffer of standard output and the C library's."""
-    sys.stdout.flush()
+    if sys.stdout is not None:
+        sys.stdout.flush()
     library = ctypes.CDLL("ucrtbase" if os.name == "nt" else None)
     library.fflush(None)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
+from pathlib import Path
 
 import bpy
 
 from ..core.errors import PccError
 from . import marks, properties
 from .read.probes import all_probes, bake_record, probe_spec
-from .shade import groups, live, probe_group
+from .shade import groups, injection, live, probe_group
+from .store import leftovers
 
 _paused = 0
 
@@ -55,12 +57,27 @@ def on_undo(scene: bpy.types.Scene, *_: object) -> None:
 @bpy.app.handlers.persistent
 def on_load(*_: object) -> None:
     """The file may have been edited where the add-on is not, or saved by an older version."""
+    leftovers.opened()
     for scene in bpy.data.scenes:
         for probe in all_probes(scene):
             if probe.pcc_probe.group is not None and not probe_group.is_current(probe):
                 with contextlib.suppress(PccError):  # status names what is wrong with the bake
                     probe_group.refresh_group(probe)  # all twins are brought up to date below
+    with paused():
+        injection.mend(bpy.context.scene, bpy.context.view_layer)
     bring_all_up_to_date(bpy.context.scene)
+
+
+@bpy.app.handlers.persistent
+def on_close(*_: object) -> None:
+    leftovers.closing()
+
+
+@bpy.app.handlers.persistent
+def on_save(path: str, *_: object) -> None:
+    """Pictures that the saved file shows no more can go."""
+    if path:
+        leftovers.after_save(Path(path))
 
 
 def on_shader_setting(probe: bpy.types.Object) -> None:
@@ -111,7 +128,9 @@ _HANDLERS = (
     ("depsgraph_update_post", on_depsgraph_update),
     ("undo_post", on_undo),
     ("redo_post", on_undo),
+    ("load_pre", on_close),
     ("load_post", on_load),
+    ("save_post", on_save),
 )
 
 
@@ -125,3 +144,4 @@ def unregister() -> None:
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(handler)
     properties.shader_listeners.remove(on_shader_setting)
+    leftovers.closing()

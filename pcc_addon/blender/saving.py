@@ -8,28 +8,32 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import PccError
+from ..core.workplace import aside
+from .store import leftovers
 
 
 def save_whole(path: Path) -> None:
     """Save the open file as `path`: written aside, read back, then moved into place.
 
-    The file before becomes the usual backup where the user's preferences say so.
+    The file before becomes the usual backup where the user's preferences say so. Pictures that no saved file shows any
+    more are removed.
 
     Raises:
         PccError: it could not be written whole, as on a full disk; the file before is untouched.
     """
-    aside = path.with_name(f".unfinished-{os.getpid()}-{path.name}")
+    unfinished = aside(path)
     try:
-        bpy.ops.wm.save_as_mainfile(filepath=str(aside), copy=True)
-        with bpy.data.libraries.load(str(aside)) as (_, _):  # Blender reports success where the disk was full
+        bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True)
+        with bpy.data.libraries.load(str(unfinished)) as (_, _):  # Blender reports success where the disk was full
             pass
         if path.exists() and bpy.context.preferences.filepaths.save_version > 0:
             os.replace(path, f"{path}1")
-        os.replace(aside, path)
+        os.replace(unfinished, path)
     except (OSError, RuntimeError) as error:
         raise PccError(f"'{path}' cannot be saved ({_short(error)}); free space or choose another place") from error
     finally:
-        aside.unlink(missing_ok=True)
+        unfinished.unlink(missing_ok=True)
+    leftovers.after_save(path)
 
 
 def _short(error: Exception) -> str:

@@ -9,7 +9,7 @@ import bpy
 
 from ..core.errors import PccError
 from .read.fingerprint import SceneFingerprint
-from .read.probes import all_probes, bake_record, probe_spec
+from .read.probes import all_probes, bake_record, check_place, probe_spec
 from .store.levels import faulty_picture
 
 
@@ -32,11 +32,12 @@ def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[Pr
     """The state of every probe of a scene, by name."""
     view_layer.update()
     fingerprint = SceneFingerprint(scene, view_layer)
-    return [_status(probe, fingerprint) for probe in all_probes(scene)]
+    return [_status(probe, view_layer, fingerprint) for probe in all_probes(scene)]
 
 
-def _status(probe: bpy.types.Object, fingerprint: SceneFingerprint) -> ProbeStatus:
+def _status(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, fingerprint: SceneFingerprint) -> ProbeStatus:
     try:
+        check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
     except PccError as error:

@@ -14,7 +14,7 @@ from .errors import ProbeError
 
 MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION = 16, 4096
 MOST_SAMPLES = 2**24  # what Cycles takes
-_FLATTEST = 1e-9  # smallest accepted ratio of a box's volume to that of a box with the same edge lengths
+_FLATTEST = 1e-5  # smallest accepted ratio of a box's volume to that of a box with its edges; float32 ends near 1e-7
 STEEPEST_FALLOFF = 1e-9  # metres: an edge
 _ULP = float(np.finfo(np.float32).eps)
 _UPRIGHT = 4.0 * _ULP  # how far, in radians, a box that counts as turned about the vertical may lean

@@ -22,6 +22,11 @@ from .probe import ProbeSpec
 VERSION = 2
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 FORMAT = "parallax-probe"
+_INFINITE = float(np.finfo(np.float32).max)  # shaders compute in float32
+_PICTURE = r"\.(?:[a-z]+-\d+\.[0-9a-f]{12}|r\d{5})\.exr"  # the second is version 1's
+_FILE_NAME = re.compile(rf"[A-Za-z0-9_-]+-([0-9a-f]{{8}})(?:{_PICTURE}|\.json)")
+PICTURE_NAME = re.compile(rf"[A-Za-z0-9_-]{{1,40}}-[0-9a-f]{{8}}{_PICTURE}".encode())
+"""The name of a picture, as it stands among the bytes of a .blend."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +183,7 @@ class Sidecar:
             content_hash=_text(plain["content_hash"]),
             blender=_text(plain["blender"]),
             addon=_text(plain["addon"]),
-            levels=tuple(Level.from_plain(level) for level in plain["levels"]),
+            levels=_levels(plain["levels"]),
             replaced_pixels=tuple(_text(words) for words in plain.get("replaced_pixels", ())),
         )
 
@@ -218,15 +223,32 @@ def _whole(value: object) -> int:
 
 def _numbers(plain: Mapping[str, Any], name: str, count: int) -> tuple[float, ...]:
     found = plain[name]
-    if not isinstance(found, list) or len(found) != count or not all(math.isfinite(number) for number in found):
+    if not isinstance(found, list) or len(found) != count or not all(abs(number) <= _INFINITE for number in found):
         raise ValueError(f"'{name}' is not {count} finite numbers")
     return tuple(_number(number) for number in found)
+
+
+def _levels(found: object) -> tuple[Level, ...]:
+    if not isinstance(found, list):
+        raise TypeError("its levels are no list")
+    return tuple(Level.from_plain(level) for level in found)
 
 
 def file_stem(name: str, uid: str) -> str:
     """A file name for a probe that is safe on every system and differs wherever the uid differs."""
     readable = _UNSAFE.sub("_", name).strip("_-")[:40] or "probe"
-    return f"{readable}-{hashlib.blake2b(uid.encode(), digest_size=4).hexdigest()}"
+    return f"{readable}-{uid_digest(uid)}"
+
+
+def uid_digest(uid: str) -> str:
+    """What file names have of a probe's identity: eight hexadecimal digits."""
+    return hashlib.blake2b(uid.encode(), digest_size=4).hexdigest()
+
+
+def uid_digest_of_file(name: str) -> str | None:
+    """The `uid_digest` in the name of a picture or a sidecar, or None where it is neither's."""
+    found = _FILE_NAME.fullmatch(name)
+    return found[1] if found else None
 
 
 def level_file(stem: str, key: PictureKey, digest: str) -> str:

@@ -81,6 +81,7 @@ class PCC_OT_bake(bpy.types.Operator):
 
     bl_idname = "pcc.bake"
     bl_label = "Bake Probes"
+    bl_options = {"UNDO"}  # not REGISTER: adjusting a bake would bake again
 
     scope: bpy.props.EnumProperty(
         name="Scope",
@@ -118,7 +119,7 @@ class PCC_OT_bake(bpy.types.Operator):
             results = self._job.run()
         except PccError as error:
             self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self._stopped()
         return self._report(results)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -138,7 +139,7 @@ class PCC_OT_bake(bpy.types.Operator):
             self._job.cancel()
             self._finish(context)
             self.report({"WARNING"}, "Bake cancelled; probes that were not finished keep their old bakes")
-            return {"CANCELLED"}
+            return self._stopped()
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}  # nothing may be edited while the scene is set up for the bake
         try:
@@ -148,13 +149,17 @@ class PCC_OT_bake(bpy.types.Operator):
             if not isinstance(error, PccError):
                 raise
             self.report({"WARNING" if isinstance(error, Cancelled) else "ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self._stopped()
         context.window_manager.progress_update(self._job.progress)
         context.workspace.status_text_set(f"{self._job.progress:.0%}  {self._job.message}  (Esc: cancel)")
         if more:
             return {"RUNNING_MODAL"}
         self._finish(context)
         return self._report(self._job.results)
+
+    def _stopped(self) -> set[str]:
+        """What a bake that did not end returns: an undo step where some of its probes were finished."""
+        return {"FINISHED"} if any(result.error is None for result in self._job.results) else {"CANCELLED"}
 
     def _finish(self, context: bpy.types.Context) -> None:
         context.window_manager.event_timer_remove(self._timer)

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 
+from pcc_addon.blender.bake.job import BakeJob
 from pcc_addon.blender.read.probes import bake_record
+from pcc_addon.blender.status import statuses
 from pcc_addon.blender.store import pictures
+from pcc_addon.blender.store.levels import bake_folder
+from pcc_addon.core.errors import BakeError
 from pcc_addon.core.pictures import LADDER
 from sample_blends.scenes import empty_scene
-from tests.blender.helpers import ROOM, bake, contents, picture, pictures_of, save, small_probe, small_room
+from tests.blender.helpers import ROOM, bake, contents, picture, pictures_of, put_in, save, small_probe, small_room
 
 
 def test_a_bake_of_an_unsaved_file_is_packed_into_it(scene, tmp_path: Path) -> None:
@@ -164,3 +170,98 @@ def test_baking_a_copy_in_an_unsaved_file_leaves_the_originals_picture_alone(sce
     bake(copy)
     assert np.array_equal(picture(original), shown)
     assert copy.pcc_probe.levels[0].image != original.pcc_probe.levels[0].image
+
+
+def test_a_cancelled_bake_leaves_no_empty_folders(scene, tmp_path: Path) -> None:
+    probe = small_room()
+    scene.pcc.folder = str(tmp_path / "deep" / "folder")
+    work = BakeJob(scene, bpy.context.view_layer, [probe], bake_folder(scene))
+    assert work.step() and work.step()
+    work.cancel()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bake_that_cannot_be_stored_leaves_no_empty_folder_and_an_old_one_stays(
+    scene, tmp_path: Path, monkeypatch
+) -> None:
+    probe = small_room()
+    monkeypatch.setattr(pictures, "write_file", lambda *_: (_ for _ in ()).throw(BakeError("the disk is full")))
+    scene.pcc.folder = str(tmp_path / "new")
+    assert bake(probe)[0].error == "the disk is full"
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "old").mkdir()
+    scene.pcc.folder = str(tmp_path / "old")
+    bake(probe)
+    assert [path.name for path in tmp_path.iterdir()] == ["old"]
+
+
+def test_what_a_killed_run_left_in_the_folder_is_removed_by_the_next_bake(scene, tmp_path: Path) -> None:
+    probe = small_room()
+    save(tmp_path / "room.blend")
+    script = (
+        "import os; from pathlib import Path; from pcc_addon.core.workplace import *\n"
+        f"with temporary_folder(UNFINISHED, Path({str(tmp_path / 'room.pcc')!r})): os._exit(9)"
+    )
+    (tmp_path / "room.pcc").mkdir()
+    subprocess.run([sys.executable, "-c", script], cwd=Path(__file__).parents[2])
+    assert len(list((tmp_path / "room.pcc").glob(".unfinished-*"))) == 1
+    bake(probe)
+    assert list((tmp_path / "room.pcc").glob(".unfinished-*")) == []
+
+
+@pytest.mark.parametrize("act", [bake, lambda probe: put_in()], ids=["bake", "inject"])
+def test_a_renamed_probe_takes_its_names_along(scene, tmp_path: Path, act) -> None:
+    probe = small_room()
+    save(tmp_path / "room.blend")
+    bake(probe)
+    probe.name = "Hall"
+    act(probe)
+    assert [i.name for i in bpy.data.images if "Probe" in i.name] == []
+    assert len([i.name for i in bpy.data.images if i.name.startswith("PCC Hall 0.")]) == len(LADDER)
+    assert probe.pcc_probe.group.name == "PCC Probe Hall"
+
+
+def test_an_appended_probe_shows_the_sources_pictures_until_it_is_baked_into_its_own_folder(
+    scene, tmp_path: Path
+) -> None:
+    probe = small_room()
+    (tmp_path / "source").mkdir()
+    save(tmp_path / "source" / "room.blend")
+    bake(probe)
+    save(tmp_path / "source" / "room.blend")
+    shown, source = picture(probe).copy(), contents(tmp_path / "source")
+    empty_scene()
+    (tmp_path / "own").mkdir()
+    save(tmp_path / "own" / "shot.blend")
+    with bpy.data.libraries.load(str(tmp_path / "source" / "room.blend"), link=False) as (there, wanted):
+        wanted.objects = there.objects
+    for item in wanted.objects:
+        bpy.context.scene.collection.objects.link(item)
+    probe = bpy.data.objects["Probe"]
+    [status] = statuses(bpy.context.scene, bpy.context.view_layer)
+    assert status.state == "baked" and np.array_equal(picture(probe), shown)
+    put_in()
+    save(tmp_path / "own" / "shot.blend")
+    probe.pcc_probe.resolution = 24
+    [result] = bake(probe)
+    assert {Path(file).parent for file in result.files} == {tmp_path / "own" / "shot.pcc"}
+    save(tmp_path / "own" / "shot.blend")
+    after = contents(tmp_path / "source")
+    assert {name: after[name] for name in source} == source
+
+
+def test_a_duplicate_with_the_originals_name_leaves_the_originals_pictures_alone(scene, tmp_path: Path) -> None:
+    original = small_room()
+    save(tmp_path / "room.blend")
+    bake(original)
+    before = {path: path.read_bytes() for path in pictures_of(original)}
+    copy = original.copy()
+    scene.collection.objects.link(copy)
+    original.name, copy.name = "Away", "Probe"
+    copy.location.x += 0.75
+    bpy.context.view_layer.update()
+    bake(copy)
+    for _ in range(2):
+        save(tmp_path / "room.blend")
+    assert {path: path.read_bytes() for path in before} == before
+    assert {s.probe: s.state for s in statuses(scene, bpy.context.view_layer)} == {"Away": "baked", "Probe": "baked"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,6 +32,12 @@ def blend(tmp_path: Path) -> Path:
 def small_disk(tmp_path: Path) -> Iterator[Path]:
     """A disk of 256 KiB."""
     yield from _mounted(tmp_path / "small", "size=256k")
+
+
+@pytest.fixture
+def disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 4 MiB."""
+    yield from _mounted(tmp_path / "disk", "size=4m")
 
 
 @pytest.fixture
@@ -199,6 +206,21 @@ def test_a_full_disk_leaves_the_old_bake_whole(
     code, lines = run(capfd, "bake", blend, "--resolution", "32", "--samples", "1", "--save")
     assert code == 1 and len(lines) == 1 and "free space" in lines[0]
     assert {p.name: p.read_bytes() for p in small_disk.iterdir()} == before
+
+
+def test_a_full_disk_leaves_the_file_before_whole(capfd: pytest.CaptureFixture[str], blend: Path, disk: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.context.scene.pcc.folder = str(blend.parent / "pictures")
+    place = disk / "hall.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(place))
+    before = place.read_bytes()
+    with (disk / "filler").open("wb", buffering=0) as filler:
+        filler.write(bytes(shutil.disk_usage(disk).free - len(before) // 2))
+    code, lines = run(capfd, "bake", place, *FAST, "--save")
+    assert code == 1 and len(lines) == 1 and "cannot be saved" in lines[0] and "free space" in lines[0]
+    assert place.read_bytes() == before
+    assert sorted(path.name for path in disk.iterdir()) == ["filler", "hall.blend"]
+    assert run(capfd, "status", place)[0] == 0
 
 
 def test_a_read_only_folder_is_told_before_rendering(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -84,20 +83,6 @@ def test_the_module_runs_as_a_program(blend: Path) -> None:
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
     assert [json.loads(line)["event"] for line in done.stdout.splitlines()][-1] == "baked"
-
-
-def test_an_interrupted_bake_ends_with_130_and_saves_nothing(blend: Path) -> None:
-    before = blend.read_bytes()
-    command = [sys.executable, "-m", "pcc_addon", "bake", str(blend), "--resolution", "256", "--samples", "64"]
-    process = subprocess.Popen([*command, "--save", "--json"], cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    for line in process.stdout:
-        if "face -X" in line:
-            process.send_signal(signal.SIGINT)
-            break
-    process.stdout.read()
-    assert process.wait(timeout=120) == 130
-    assert blend.read_bytes() == before
-    assert not list(blend.with_suffix(".pcc").glob("**/*"))
 
 
 def test_the_plan_names_probes_materials_objects_and_reasons(capfd: pytest.CaptureFixture[str], blend: Path) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from contextlib import ExitStack
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -13,6 +11,7 @@ from mathutils import Matrix, Vector
 from ...core.cubemap import FACES
 from ...core.errors import BakeError, Cancelled
 from ...core.probe import Engine, ProbeSpec
+from ...core.workplace import WORKPLACE, temporary_folder
 from .. import compat
 from ..overrides import override, temporary
 from ..read.scene import rendered_objects
@@ -29,7 +28,7 @@ class Stage:
     def __init__(self, stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
         self.scene = scene
         self.view_layer = view_layer
-        self._folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pcc-")))
+        self._folder = stack.enter_context(temporary_folder(WORKPLACE))
         stack.callback(compat.set_float_exr(scene.render.image_settings))
         _quiet_render(stack, scene)
         _show_as_reflected(stack, scene, view_layer)

@@ -24,9 +24,9 @@ from .. import handlers
 from ..overrides import override
 from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
-from ..read.probes import probe_spec
+from ..read.probes import check_own, check_place, probe_spec
 from ..read.scene import missing_textures, read_scene
-from ..shade import groups, twin
+from ..shade import groups, injection, twin
 from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
 from ..store import levels
@@ -111,6 +111,7 @@ class BakeJob:
             next(self._work)
         except StopIteration:
             self._stack.close()
+            injection.mend(self._scene, self._view_layer)
             self.progress, self.message = 1.0, "Done"
             return False
         except BaseException:
@@ -174,6 +175,8 @@ class BakeJob:
         ready = []
         for probe in self._probes:
             try:
+                check_own(probe)
+                check_place(probe, self._view_layer)
                 ready.append((probe, probe_spec(probe)))
             except PccError as error:
                 self.results.append(BakedProbe(probe.name, str(error)))

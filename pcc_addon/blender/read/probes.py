@@ -7,9 +7,10 @@ from dataclasses import fields
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...core.effects.records import Outside
-from ...core.errors import PccError
+from ...core.errors import PccError, ProbeError
 from ...core.probe import Box, Engine, ProbeSpec
 from ...core.sidecar import Sidecar
 
@@ -67,6 +68,41 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         animated=is_animated(probe),
         **{name: getattr(settings, name) for name in _AS_SET},
     )
+
+
+def check_own(probe: bpy.types.Object) -> None:
+    """Refuse a probe that cannot keep a bake.
+
+    Raises:
+        ProbeError: it is a library override.
+    """
+    if probe.override_library is not None:
+        library = probe.override_library.reference.library
+        raise ProbeError(
+            f"probe '{probe.name}' is a library override and cannot keep a bake; bake it in '{library.filepath}', or "
+            "make it local (Object > Relations > Make Local)"
+        )
+
+
+def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
+    """Refuse a probe whose place Blender does not keep up to date, since the view layer leaves it out.
+
+    Raises:
+        ProbeError: names it and says how to bring it in.
+    """
+    if view_layer.objects.get(probe.name) != probe:
+        raise ProbeError(
+            f"probe '{probe.name}': view layer '{view_layer.name}' leaves its collection out, so nobody knows where it "
+            "is; include the collection, or remove the probe"
+        )
+    if not probe.visible_get(view_layer=view_layer) and not is_animated(probe):
+        parent = probe.parent.matrix_world @ probe.matrix_parent_inverse if probe.parent else Matrix()
+        expected = np.array(parent @ probe.matrix_basis)
+        if not np.allclose(expected, np.array(probe.matrix_world), rtol=1e-4, atol=1e-5, equal_nan=True):
+            raise ProbeError(
+                f"probe '{probe.name}' was moved while it is disabled in viewports, and its place is not up to date; "
+                "enable it"
+            )
 
 
 def _drawn_cube(probe: bpy.types.Object) -> np.ndarray:

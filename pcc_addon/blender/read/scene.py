@@ -11,7 +11,7 @@ from ...core.errors import PccError
 from ...core.readings import CameraReading, PlacementReading, ProbeReading, SceneReading
 from .. import marks
 from .materials import read_material
-from .probes import all_probes, bake_record, is_animated, probe_spec
+from .probes import all_probes, bake_record, check_place, is_animated, probe_spec
 
 _BY_AXES = [0, 1, 3, 2, 4, 5, 7, 6]  # Blender's order of a bounding box's corners as that of `numpy.ndindex`
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
@@ -25,7 +25,7 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
         materials.update({material.name_full: material for material in shown})
     return SceneReading(
         name=scene.name,
-        probes=tuple(read_probe(probe) for probe in all_probes(scene)),
+        probes=tuple(read_probe(probe, view_layer) for probe in all_probes(scene)),
         materials=tuple(read_material(materials[name]) for name in sorted(materials)),
         placements=tuple(placements),
         roughness_limit=scene.pcc.roughness_limit,
@@ -42,10 +42,11 @@ def _cameras(scene: bpy.types.Scene) -> tuple[CameraReading, ...]:
     return tuple(CameraReading(name, places[name]) for name in sorted(found))
 
 
-def read_probe(probe: bpy.types.Object) -> ProbeReading:
+def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> ProbeReading:
     """One probe; whatever is wrong with it becomes its fault."""
     spec, captured_at, fault = None, None, ""
     try:
+        check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
         captured_at = record.capture_point if record else None

@@ -18,7 +18,7 @@ from ..read.scene import read_scene
 from ..store.levels import bake_folder, ensure_levels
 from . import groups, live
 from .probe_group import refresh_group, shown_probe
-from .twin import has_twins
+from .twin import has_twins, is_torn
 from .twin_order import ShownProbe, TwinOrder
 
 
@@ -74,6 +74,22 @@ def inject(
     _remove_from_others(plan, objects if objects is not None else scene.objects)
     groups.drop_unused_groups()
     return InjectionReport(tuple(pairs), tuple(notes))
+
+
+def mend(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
+    """Build again what materials show and somebody deleted; nothing else is touched."""
+    torn = {material.name_full: material for material in bpy.data.materials if is_torn(material)}
+    if not torn:
+        return
+    reading = read_scene(scene, view_layer)
+    plan = make_plan(reading)
+    shown = _build_probes(scene, reading, plan, [])
+    specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
+    for material_plan in plan.materials:
+        material = torn.get(material_plan.material)
+        order = order_of(material_plan, shown, specs)
+        if material is not None and order.probes and not material.library:
+            live.show(material, order)
 
 
 def remove(objects: Iterable[bpy.types.Object] | None = None) -> list[str]:

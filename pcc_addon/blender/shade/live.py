@@ -14,7 +14,7 @@ from ..read.fingerprint import node_lines
 from ..read.materials import read_material
 from . import probe_group
 from .probe_group import probe_of, shown_probe
-from .twin import add_twins, has_twins, remove_twins, shown_probe_groups
+from .twin import add_twins, has_twins, is_torn, remove_twins, shown_probe_groups
 from .twin_builder import OF, VALUES, repeat_value
 from .twin_order import TwinOrder
 
@@ -24,7 +24,7 @@ _SIGNATURE = "signature"  # note on a material: what its twins were built from
 def show(material: bpy.types.Material, order: TwinOrder) -> None:
     """Let a material show what is ordered; twins that show it already only get the values of today."""
     signature = _signature(material, order)
-    if marks.noted(material, _SIGNATURE) == signature and has_twins(material):
+    if marks.noted(material, _SIGNATURE) == signature and has_twins(material) and not is_torn(material):
         copy_values(material.node_tree)
         return
     remove(material)

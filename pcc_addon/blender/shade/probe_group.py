@@ -89,10 +89,11 @@ def probe_of(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
 
 
 def is_current(probe: bpy.types.Object) -> bool:
-    """Whether a probe has a group of its own, built by this version."""
+    """Whether a probe has a group of its own, built by this version, that is whole."""
     tree = probe.pcc_probe.group
     return (
         tree is not None
+        and all(node.node_tree for node in tree.nodes if node.bl_idname == "ShaderNodeGroup")
         and marks.role(tree) == ROLE
         and marks.noted(tree, marks.VERSION) == VERSION
         and driven_object(tree) == probe

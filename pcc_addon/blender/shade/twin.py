@@ -97,6 +97,18 @@ def has_twins(material: bpy.types.Material) -> bool:
     )
 
 
+def is_torn(material: bpy.types.Material) -> bool:
+    """Whether a group that its twins need was deleted."""
+    return any(_has_hole(node) for node in material.node_tree.nodes) if material.node_tree else False
+
+
+def _has_hole(node: bpy.types.Node) -> bool:
+    if not marks.role(node) or node.bl_idname != "ShaderNodeGroup":
+        return False
+    copied = node.node_tree is not None and marks.role(node.node_tree) == "copy"
+    return node.node_tree is None or (copied and any(_has_hole(inner) for inner in node.node_tree.nodes))
+
+
 def reflection_nodes(material: bpy.types.Material) -> list[bpy.types.Node]:
     """The nodes of a material's twins that emit the reflection; muted, they leave the diffuse part."""
     return _nodes_with_role(material.node_tree, GLOW)

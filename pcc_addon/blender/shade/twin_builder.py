@@ -314,9 +314,8 @@ def repeat_value(old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:
     """Give an input the value of another, which may be of another width; nothing happens where it has it already."""
     value = old.default_value
     if hasattr(new.default_value, "__len__"):
-        value = (
-            tuple(value)[: len(new.default_value)] if hasattr(value, "__len__") else (value,) * len(new.default_value)
-        )
+        wide = len(new.default_value)
+        value = tuple(value)[:wide] if hasattr(value, "__len__") else (value,) * wide
         if tuple(new.default_value) != value:
             new.default_value = value
     elif new.default_value != value:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
@@ -15,8 +16,9 @@ from ...core import sidecar
 from ...core.errors import BakeError
 from ...core.pictures import PictureKey, PictureKind
 from ...core.prefilter import prefilter
-from ..read.probes import bake_record
-from . import pictures
+from ...core.workplace import UNFINISHED, temporary_folder
+from ..read.probes import bake_record, check_own
+from . import leftovers, pictures
 
 
 def bake_folder(scene: bpy.types.Scene, blend: str | None = None) -> Path | None:
@@ -62,7 +64,10 @@ def store(
             name = f"{stem}.json"
             try:
                 (parts / name).write_text(record.to_json(), encoding="utf-8")
-                sidecar.move_into_place(parts, folder, [*(level.file for level in described), name])
+                names = [*(level.file for level in described), name]
+                new = [folder / name for name in names if not (folder / name).exists()]
+                sidecar.move_into_place(parts, folder, names)
+                leftovers.wrote(new)
             except OSError as error:
                 raise BakeError(_cannot_write(probe, folder, error)) from error
             images = {level.roughness: _linked(folder / level.file, probe, level) for level in described}
@@ -84,15 +89,18 @@ def ensure_levels(
     """Make the levels that are not there yet from the probe's capture, without rendering.
 
     Raises:
-        BakeError: the probe was never baked, its capture cannot be read, or a level cannot be written.
+        PccError: the probe was never baked or cannot keep pictures, its capture cannot be read, or a level cannot be
+            written.
     """
     record = bake_record(probe)
     if record is None:
         raise BakeError(f"probe '{probe.name}' has no bake; bake it first")
+    _rename_pictures(probe)
     have = {round(level.roughness, 4): level.image for level in probe.pcc_probe.levels}
     missing = sorted(set(roughnesses) - set(have))
     if not missing:
         return
+    check_own(probe)
     pictures_now = {r: pictures.read_pixels(have[r]) for r in have if have[r]}
     if 0.0 not in pictures_now:
         raise BakeError(f"probe '{probe.name}': its capture is missing from the file; bake it again")
@@ -114,6 +122,8 @@ def check_folder(folder: Path | None) -> None:
 def faulty_picture(probe: bpy.types.Object, record: sidecar.Sidecar) -> str:
     """What is wrong with the first picture of a probe that is not what its record says; empty: nothing."""
     images = {round(level.roughness, 4): level.image for level in probe.pcc_probe.levels}
+    if not record.levels:
+        return "its record names no pictures"
     for level in record.levels:
         image = images.get(round(level.roughness, 4))
         if image is None:
@@ -141,16 +151,24 @@ def _fault_of(image: bpy.types.Image, level: sidecar.Level) -> str:
 
 
 def _folder_for_parts(stack: ExitStack, folder: Path | None) -> Path:
-    """A folder for unfinished files, on the same disk as the final one."""
+    """A folder for unfinished files, on the same disk as the final one; folders that stay empty are gone afterwards."""
     try:
         if folder is not None:
-            folder.mkdir(parents=True, exist_ok=True)
-        return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder)))
+            for missing in reversed([path for path in (folder, *folder.parents) if not path.exists()]):
+                missing.mkdir(exist_ok=True)
+                stack.callback(_remove_if_empty, missing)
+            folder.mkdir(exist_ok=True)  # says what stands in its way
+        return stack.enter_context(temporary_folder(UNFINISHED, folder))
     except OSError as error:
         raise BakeError(
             f"cannot write into '{folder or tempfile.gettempdir()}' ({error.strerror}); make it writable or choose "
             "another folder"
         ) from error
+
+
+def _remove_if_empty(folder: Path) -> None:
+    with contextlib.suppress(OSError):
+        folder.rmdir()
 
 
 def _cannot_write(probe: bpy.types.Object, folder: Path, error: OSError) -> str:
@@ -164,22 +182,45 @@ def _existing(probe: bpy.types.Object, roughness: float) -> bpy.types.Image | No
     return next((image for image in images if image not in shared), None)
 
 
+def _rename_pictures(probe: bpy.types.Object) -> None:
+    """Give a renamed probe's pictures its new name; their files follow at the next bake."""
+    for level in probe.pcc_probe.levels:
+        name = f"PCC {probe.name} {level.roughness:.4f}"
+        image = _existing(probe, level.roughness)
+        if image is not None and not image.name.startswith(name):
+            image.name = name
+
+
 def _image_name(probe: bpy.types.Object, level: sidecar.Level) -> str:
     return f"PCC {probe.name} {level.roughness:.4f}"
 
 
 def _linked(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
-    return pictures.load(path, _image_name(probe, level), _existing(probe, level.roughness))
+    old = _existing(probe, level.roughness)
+    if old is not None and not old.packed_file and Path(bpy.path.abspath(old.filepath)).resolve() == path:
+        old.reload()
+        return _named(old, probe, level)
+    return _in_place_of(old, pictures.load(path), probe, level)
 
 
 def _packed(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
-    image = pictures.load(path, _image_name(probe, level), None)
+    image = pictures.load(path)
     image.pack()
-    old = _existing(probe, level.roughness)
+    return _in_place_of(_existing(probe, level.roughness), image, probe, level)
+
+
+def _in_place_of(
+    old: bpy.types.Image | None, image: bpy.types.Image, probe: bpy.types.Object, level: sidecar.Level
+) -> bpy.types.Image:
+    """A new picture wherever the one before was used. Each has a data block of its own, which undo brings back whole."""
     if old is not None:
         old.user_remap(image)
         bpy.data.images.remove(old)
-        image.name = _image_name(probe, level)
+    return _named(image, probe, level)
+
+
+def _named(image: bpy.types.Image, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
+    image.name = _image_name(probe, level)
     return image
 
 

@@ -86,17 +86,12 @@ def is_whole(path: Path, width: int, height: int) -> bool:
         return tuple(image.size) == (width, height) and len(image.pixels) == width * height * 4
 
 
-def load(path: Path, name: str, existing: bpy.types.Image | None) -> bpy.types.Image:
-    """The picture as a data block for shaders, in place of `existing` where there is one."""
-    image = existing or bpy.data.images.load(str(path))
-    if image.packed_file:
-        image.unpack(method="REMOVE")
-    image.name = name
-    image.source = "FILE"
+def load(path: Path) -> bpy.types.Image:
+    """The picture as a new data block for shaders."""
+    image = bpy.data.images.load(str(path))
     image.filepath = blend_path(path)
     image.colorspace_settings.name = "Non-Color"
     image.alpha_mode = "NONE"
-    image.reload()
     return image
 
 

@@ -1,0 +1,215 @@
+"""Pictures that no record refers to any more: removed once a save does not need them, and only what is surely ours.
+
+A picture may be wanted by files that this session knows nothing of, so there are two rules. What this session wrote and
+replaced before any save is known to nobody else. In the folder that is named after a .blend, a picture of one of its
+probes goes when no .blend or backup beside the folder speaks of it, and no file elsewhere that has said so.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import hashlib
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+import bpy
+
+from ...core import sidecar
+from ...core.errors import BakeError
+from ...core.workplace import UNFINISHED
+
+_MOST_BYTES = 2**31  # of neighbouring files that are read through; beyond that nothing is removed
+_PIECE, _LONGEST = 2**20, 160  # bytes that are read at a time, and that a picture's name may have
+_USED_BY = ".used-by-"  # how a file says that it shows pictures of another file's folder
+
+_written: set[Path] = set()  # by this session, and in no saved file yet
+_replaced: set[Path] = set()  # of these, what a save did not need; undo may bring it back while the file is open
+_seen: set[Path] = set()  # what the file showed whenever it was opened, baked or saved in this session
+_uids: set[str] = set()  # of the probes that it had then
+
+
+def wrote(paths: Iterable[Path]) -> None:
+    """Remember new files of a bake; they are nobody else's until the .blend is saved."""
+    _written.update(paths)
+
+
+def unsaved() -> list[Path]:
+    """The files of bakes that no saved file shows yet."""
+    return sorted(path for path in _written if path.is_file())
+
+
+def opened() -> None:
+    """Another file is open now."""
+    _uids.update(_uids_here())
+    _seen.update(_shown())
+
+
+def closing() -> None:
+    """The open file is left: nothing of it can be undone any more."""
+    with contextlib.suppress(OSError):
+        _remove(_replaced)
+    for known in (_written, _replaced, _seen, _uids):
+        known.clear()
+
+
+def after_save(blend: Path) -> None:
+    """Remove what the file that was just saved as `blend` needs no more; what cannot be removed stays.
+
+    What undo may bring back stays until the file is closed; in the background nobody undoes.
+    """
+    if blend.name.startswith(UNFINISHED):
+        return
+    blend, shown = blend.resolve(), _shown()
+    with contextlib.suppress(OSError):
+        _say_who_uses(blend, shown)
+    if blend == Path(bpy.data.filepath).resolve():
+        _replaced.update(_written)
+        _replaced.difference_update(shown)
+        _written.clear()
+    else:  # a copy: the open file may still need what it does not show now
+        _written.difference_update(shown)
+    _seen.update(shown | _written | _replaced)
+    _uids.update(_uids_here())
+    with contextlib.suppress(OSError):
+        if bpy.app.background:
+            _remove(_replaced)
+            _replaced.clear()
+        folder = folder_of(blend)
+        if folder.is_dir():
+            _remove(_unmentioned(folder, shown if bpy.app.background else _seen))
+        _mend_sidecars()
+
+
+def folder_of(blend: Path) -> Path:
+    """The folder that is named after a .blend."""
+    return blend.with_suffix(".pcc")
+
+
+def _shown() -> set[Path]:
+    """The files of all images that are open, and the sidecars of all probes."""
+    images = [image for image in bpy.data.images if image.filepath and not image.packed_file]
+    found = {Path(bpy.path.abspath(image.filepath, library=image.library)).resolve() for image in images}
+    return found | {path for path, _ in _sidecars()}
+
+
+def _sidecars() -> Iterator[tuple[Path, bpy.types.Object]]:
+    """Where each probe whose pictures are files has its sidecar, and the probe."""
+    for probe in _probes():
+        image = next((level.image for level in probe.pcc_probe.levels if level.image), None)
+        if image is not None and not image.packed_file:
+            folder = Path(bpy.path.abspath(image.filepath)).resolve().parent
+            yield folder / f"{sidecar.file_stem(probe.name, probe.pcc_probe.uid)}.json", probe
+
+
+def _mend_sidecars() -> None:
+    """Let sidecars whose pictures were removed, as where a bake was undone, describe those that are saved."""
+    for path, probe in _sidecars():
+        if path.is_file() and not all((path.parent / name).is_file() for name in _described(path)):
+            path.write_text(probe.pcc_probe.bake_record, encoding="utf-8")
+
+
+def _probes() -> list[bpy.types.Object]:
+    return [o for o in bpy.data.objects if o.pcc_probe.is_probe and not o.library]
+
+
+def _uids_here() -> set[str]:
+    return {probe.pcc_probe.uid for probe in _probes()} - {""}
+
+
+def _remove(paths: Iterable[Path]) -> None:
+    for path in paths:
+        path.unlink(missing_ok=True)
+
+
+def _unmentioned(folder: Path, shown: set[Path]) -> set[Path]:
+    """What lies in a file's own folder, belongs to a probe that it has or had, and is mentioned nowhere."""
+    here = _uids_here()
+    ours = {sidecar.uid_digest(uid): uid in here for uid in _uids | here}
+    found = {path: mark for path in folder.iterdir() if (mark := sidecar.uid_digest_of_file(path.name)) in ours}
+    sidecars = sorted((path for path in found if path.suffix == ".json"), key=lambda path: path.stat().st_mtime)
+    newest = {found[path]: path for path in sidecars if ours[found[path]]}
+    kept = {path.name for path in shown} | {path.name for path in newest.values()}
+    for path in newest.values():  # another session may have baked and not saved yet
+        kept |= _described(path)
+    doubtful = {path for path in found if path.name not in kept}
+    if not doubtful:
+        return set()
+    mentioned = _mentioned(folder)
+    if mentioned is None:
+        return set()
+    gone = {path for path in doubtful if path.suffix != ".json" and path.name not in mentioned}
+    lonely = {path for path in doubtful if path.suffix == ".json" and not _described(path) & (mentioned | kept)}
+    return gone | lonely
+
+
+def _described(path: Path) -> set[str]:
+    """The pictures that a sidecar describes; none where it cannot be read."""
+    try:
+        return {level.file for level in sidecar.Sidecar.from_json(path.read_text(encoding="utf-8"), path.name).levels}
+    except (OSError, BakeError, UnicodeDecodeError):
+        return set()
+
+
+def _mentioned(folder: Path) -> set[str] | None:
+    """The pictures that .blend files and backups beside a folder show, and files elsewhere; None: nobody can tell."""
+    beside = [path for path in folder.parent.glob("*.blend*") if path.is_file()]
+    if sum(path.stat().st_size for path in beside) > _MOST_BYTES:
+        return None
+    found: set[str] = set()
+    try:
+        for path in beside:
+            for piece in filter(_has_picture, _pieces(path)):
+                found.update(name.decode() for name in sidecar.PICTURE_NAME.findall(piece))
+        for path in folder.glob(f"{_USED_BY}*"):
+            said = json.loads(path.read_text(encoding="utf-8"))
+            if Path(said["blend"]).exists():
+                found.update(said["files"])
+    except Exception:  # whatever is wrong with a neighbour: it may show any picture
+        return None
+    return found
+
+
+def _has_picture(piece: bytes) -> bool:
+    return b".exr" in piece  # sooner than a pattern finds out
+
+
+def _pieces(path: Path) -> Iterator[bytes]:
+    """A .blend's bytes, unpacked, a piece at a time; each repeats the end of the one before.
+
+    Raises:
+        OSError: it cannot be read.
+        ImportError: nothing is there that unpacks it.
+    """
+    with path.open("rb") as file, _unpacked(file) as source:
+        end = b""
+        while piece := source.read(_PIECE):
+            yield end + piece
+            end = piece[-_LONGEST:]
+
+
+def _unpacked(file: BinaryIO) -> BinaryIO:
+    start = file.read(4)
+    file.seek(0)
+    if start[:2] == b"\x1f\x8b":
+        return gzip.open(file)
+    if start == b"\x28\xb5\x2f\xfd":
+        import zstandard  # comes with Blender
+
+        return zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True)
+    return file
+
+
+def _say_who_uses(blend: Path, shown: set[Path]) -> None:
+    """Tell the folders of other files that a saved file shows pictures of theirs, as after Save As or an append."""
+    used: dict[Path, list[str]] = {}
+    for path in shown:
+        if path.parent.suffix == ".pcc" and path.parent != folder_of(blend) and path.suffix == ".exr":
+            used.setdefault(path.parent, []).append(path.name)
+    mark = hashlib.blake2b(str(blend).encode(), digest_size=4).hexdigest()
+    for folder, names in used.items():
+        if folder.is_dir():
+            said = json.dumps({"blend": str(blend), "files": sorted(names)})
+            (folder / f"{_USED_BY}{mark}.json").write_text(said, encoding="utf-8")

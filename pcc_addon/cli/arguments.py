@@ -1,0 +1,81 @@
+"""What may be asked for: subcommands, options, and paths that can be used."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import NoReturn
+
+from ..core.errors import PccError
+
+USAGE = 2
+_LONGEST_NAME = 240  # bytes of a file name that every system allows, with some left for the backup's
+
+
+class _Parser(argparse.ArgumentParser):
+    """Wrong usage is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(USAGE, f"{self.prog}: {' '.join(message.split())}; see {self.prog} --help\n")
+
+
+def parser(file_is_open: bool) -> argparse.ArgumentParser:
+    """The command line; the .blend may be left out where one is open."""
+    whole = _Parser(prog="pcc", description="Bake parallax probes and put them into materials.")
+    subs = whole.add_subparsers(dest="sub", required=True, metavar="SUB", parser_class=_Parser)
+
+    def sub(name: str, text: str, saves: bool = True) -> argparse.ArgumentParser:
+        command = subs.add_parser(name, help=text, description=text)
+        how_many = "?" if file_is_open else None
+        command.add_argument("file", nargs=how_many, type=Path, metavar="FILE.blend")
+        command.add_argument("--json", action="store_true", help="one JSON object a line on standard output")
+        if saves:
+            command.add_argument("--save", action="store_true", help="save the file in place")
+            command.add_argument("--output", type=Path, metavar="OUT.blend", help="save to another file")
+        return command
+
+    bake = sub("bake", "render what the probes see")
+    bake.add_argument("--probe", action="append", metavar="NAME", help="only this probe (may be repeated)")
+    bake.add_argument("--stale", action="store_true", help="only probes whose bake is missing or out of date")
+    bake.add_argument("--inject", action="store_true", help="then let the materials show them")
+    bake.add_argument("--engine", choices=["CYCLES", "EEVEE"], type=str.upper, help="set the probes' engine")
+    bake.add_argument("--resolution", type=int, metavar="PX", help="set the probes' face width")
+    bake.add_argument("--samples", type=int, metavar="N", help="set the probes' samples")
+    bake.add_argument(
+        "--allow-missing-textures", action="store_true", help="missing image files, baked in pink, are no failure"
+    )
+    sub("inject", "let the materials show the baked probes")
+    sub("remove", "restore the materials")
+    sub("plan", "say which materials show which probe, and why others do not", saves=False)
+    sub("status", "say which probes are baked, stale or faulty", saves=False)
+    return whole
+
+
+def check_paths(options: argparse.Namespace) -> None:
+    """Refuse files that cannot be opened or saved, before anything is done.
+
+    Raises:
+        PccError: names the path and what to do.
+    """
+    if options.file is not None and not _is(options.file, Path.is_file):
+        raise PccError(f"file '{options.file}' does not exist; check the path")
+    output = getattr(options, "output", None)
+    if output is None:
+        return
+    if len(os.fsencode(output.name)) > _LONGEST_NAME:
+        raise PccError(f"output '{output}': its name is longer than {_LONGEST_NAME} bytes; choose a shorter one")
+    if not _is(output.absolute().parent, Path.is_dir):
+        raise PccError(f"folder '{output.absolute().parent}' does not exist; make it first")
+    if _is(output, Path.is_dir):
+        raise PccError(f"output '{output}' is a folder; name a file")
+    if output.suffix != ".blend":
+        raise PccError(f"output '{output}' does not end in .blend; rename it")
+
+
+def _is(path: Path, question: Callable[[Path], bool]) -> bool:
+    try:
+        return question(path)
+    except (OSError, ValueError):  # a name that the system does not allow
+        return False

@@ -1,0 +1,163 @@
+"""The subcommands: each does one job on the open file, says what it did, and returns how much of it failed."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import bpy
+
+from ..blender.bake.job import BakedProbe, BakeJob
+from ..blender.planning import plan_scene
+from ..blender.read.probes import all_probes, named_probes
+from ..blender.saving import save_whole
+from ..blender.shade import injection
+from ..blender.status import stale_probes, statuses
+from ..blender.store import leftovers
+from ..blender.store.levels import bake_folder
+from ..core.errors import PccError
+from ..core.plan_report import lines, records
+from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES
+from ..stopping import Stop
+from .voice import Voice
+
+
+def open_file(path: Path) -> None:
+    """Open a .blend without its windows.
+
+    Raises:
+        PccError: Blender cannot open it.
+    """
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False)
+    except RuntimeError as error:
+        raise PccError(
+            f"'{path}' cannot be opened: it is damaged or no .blend file; give a file that Blender opens"
+        ) from error
+
+
+def save(options: argparse.Namespace, voice: Voice) -> None:
+    """Save the open file where that was asked for.
+
+    Raises:
+        PccError: it could not be written whole.
+    """
+    if not getattr(options, "save", False) and not getattr(options, "output", None):
+        return
+    path = options.output.resolve() if options.output else Path(bpy.data.filepath)
+    save_whole(path)
+    voice.event("saved", f"saved {path}", file=str(path))
+
+
+def words_of_cancelling(voice: Voice) -> str:
+    """What was and was not done when the user stopped a command."""
+    if voice.said("saved"):
+        return "cancelled, but the file had been saved already"
+    unused = leftovers.unsaved()
+    folders = ", ".join(sorted({f"'{path.parent}'" for path in unused}))
+    pictures = f"; {len(unused)} new pictures in {folders} belong to no saved file" if unused else ""
+    return f"cancelled; nothing was saved{pictures}"
+
+
+def _bake(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
+    scene, view_layer = bpy.context.scene, bpy.context.view_layer
+    probes = named_probes(scene, options.probe) if options.probe else all_probes(scene)
+    if not probes:
+        raise PccError(f"scene '{scene.name}' has no parallax probe; add one with Add > Light Probe > Parallax Probe")
+    _apply_settings(options, probes)
+    if options.stale:
+        probes = stale_probes(scene, view_layer, probes)
+    folder = bake_folder(scene, str(options.output.resolve()) if options.output else None)
+    job = BakeJob(scene, view_layer, probes, folder)
+    told = 0
+    try:
+        while job.step():
+            stop.check()
+            told += _tell_results(job.results[told:], voice)
+            voice.progress(job.progress, job.message)
+    except BaseException:
+        job.cancel()
+        raise
+    finally:
+        told += _tell_results(job.results[told:], voice)
+    failures = sum(result.error is not None for result in job.results)
+    for line in job.missing_textures:
+        failures += not options.allow_missing_textures
+        voice.error(f"{line}, and bake again; until then it is baked in pink")
+    if options.inject and voice.said("baked"):
+        stop.check()
+        failures += _inject(options, voice, stop)
+    return failures
+
+
+def _tell_results(results: Sequence[BakedProbe], voice: Voice) -> int:
+    """Tell what became of some probes; returns how many there are."""
+    for result in results:
+        if result.error is not None:
+            voice.error(result.error)
+            continue
+        voice.event("baked", f"baked '{result.probe}' in {result.seconds:.1f} s", **asdict(result))
+        for line in (*result.replaced_pixels, *result.warnings):
+            voice.event("note", f"probe '{result.probe}': {line}", probe=result.probe, note=line)
+    return len(results)
+
+
+def _apply_settings(options: argparse.Namespace, probes: Sequence[bpy.types.Object]) -> None:
+    if options.resolution is not None and not MINIMUM_RESOLUTION <= options.resolution <= MAXIMUM_RESOLUTION:
+        raise PccError(
+            f"--resolution {options.resolution}: choose between {MINIMUM_RESOLUTION} and {MAXIMUM_RESOLUTION} pixels"
+        )
+    if options.samples is not None and not 1 <= options.samples <= MOST_SAMPLES:
+        raise PccError(f"--samples {options.samples}: choose between 1 and {MOST_SAMPLES}")
+    for name in ("engine", "resolution", "samples"):
+        value = getattr(options, name)
+        if value is not None:
+            for probe in probes:
+                setattr(probe.pcc_probe, name, value)
+
+
+def _inject(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
+    report = injection.inject(bpy.context.scene, bpy.context.view_layer)
+    for material, probe in report.materials:
+        voice.event("injected", f"material '{material}' shows '{probe}'", material=material, probe=probe)
+    for note in report.notes:
+        voice.event("note", note, note=note)
+    return 0
+
+
+def _remove(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
+    for name in injection.remove():
+        voice.event("restored", f"material '{name}' restored", material=name)
+    return 0
+
+
+def _plan(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
+    plan = plan_scene(bpy.context.scene, bpy.context.view_layer)
+    if options.json:
+        for record in records(plan):
+            voice.event("plan", "", **record)
+    else:
+        for line in lines(plan):
+            voice.event("plan", line)
+    return 0
+
+
+def _status(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
+    found = statuses(bpy.context.scene, bpy.context.view_layer)
+    if not found:
+        raise PccError(f"scene '{bpy.context.scene.name}' has no parallax probe; add one")
+    for status in found:
+        why = f": {status.why}" if status.why else ""
+        voice.event("status", f"{status.probe}: {status.state}{why}", **asdict(status))
+    return sum(status.state == "error" for status in found)
+
+
+COMMANDS: dict[str, Callable[[argparse.Namespace, Voice, Stop], int]] = {
+    "bake": _bake,
+    "inject": _inject,
+    "remove": _remove,
+    "plan": _plan,
+    "status": _status,
+}
