@@ -98,3 +98,20 @@ def test_a_turned_box_has_what_is_in_it_and_not_what_is_in_its_bounds() -> None:
     tip = type(corner)("In the tip", ("Iron",), corner.corners + np.array([2.5, 0.0, 0.0]))
     found = belongings([diamond], [moved, tip])
     assert set(found.owners) == {"Iron"}
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_between_two_that_have_equally_little_the_name_decides(turned: bool) -> None:
+    probes = [spec("A", -2.2), spec("B", 2.2)]
+    found = belongings(probes[::-1] if turned else probes, [placement("Post", "Wood", size=(0.05, 0.05, 0.05))])
+    assert owners(found) == {"A"}
+
+
+def test_what_lies_in_the_padding_counts_as_inside() -> None:
+    found = belongings([spec("Hall")], [placement("Poster", "Wood", x=2.005, size=(0.001, 0.5, 0.5))])
+    assert found.owners["Wood"]["Hall"]["Poster"] == pytest.approx(1.0, abs=2e-3) and found.leaving == {}
+
+
+def test_the_influence_of_a_small_box_fades_as_far_as_that_of_a_large_one() -> None:
+    found = belongings([spec("Niche", half=0.25)], [placement("Step", "Wood", x=0.55, size=(0.1, 0.1, 0.1))])
+    assert owners(found) == {"Niche"}
