@@ -48,7 +48,7 @@ def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReadin
         shares = {probe.name: _share(probe, placement.corners) for probe in reached}
         if not shares:
             continue
-        best = min(shares, key=lambda name: (-round(shares[name][0], 6), shares[name][1], name))
+        best = min(shares, key=lambda name: (-round(shares[name][0], 6), round(shares[name][1], 6), name))
         for probe in reached:
             share, distance = shares[probe.name]
             if probe.name != best and share < _SHARE:

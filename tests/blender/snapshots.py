@@ -16,7 +16,7 @@ def of_the_user() -> dict[str, str]:
     kinds = ("materials", "objects", "meshes", "node_groups", "images", "actions", "texts")
     lines = {path: value for path, value in dump(kinds, ours).items() if "pcc_probe" not in path}
     lines["images.names"] = repr([i.name for i in bpy.data.images if i not in ours])
-    belonging = ("None", "copy", "Surface")  # what goes with a material; lookups go with their probes
+    belonging = ("None", "copy", "formula: Surface")  # what goes with a material; lookups go with their probes
     lines["node_groups.names"] = repr(
         [t.name for t in bpy.data.node_groups if str(marks.role(t)).startswith(belonging)]
     )
@@ -34,7 +34,7 @@ def settled() -> dict[str, str]:
 
 def material_lines(material: bpy.types.Material) -> dict[str, str]:
     """One material, and the groups that go with it."""
-    goes_with_it = ("copy", "Surface")
+    goes_with_it = ("copy", "formula: Surface")
     ours = [tree for tree in bpy.data.node_groups if not str(marks.role(tree)).startswith(goes_with_it)]
     others = [m for m in bpy.data.materials if m != material]
     dump(("materials",), others)  # some properties come into being when they are first read

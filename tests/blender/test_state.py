@@ -195,10 +195,17 @@ def test_an_object_deleted_between_steps_does_not_keep_the_rest_from_coming_back
     assert [c.name for c in bpy.data.cameras] == []
 
 
+def of_surfaces() -> list[str]:
+    """The groups of ours that light surfaces, or copy a user's group for one."""
+    return [t.name for t in bpy.data.node_groups if str(marks.role(t)).startswith(("formula: Surface", "copy"))]
+
+
 def test_unused_formula_groups_of_ours_are_gone_after_a_bake(probe) -> None:
+    assert of_surfaces(), "the injected material has one"
     injection.remove()
+    assert of_surfaces() == []
     bake(probe)
-    assert [t.name for t in bpy.data.node_groups if str(marks.role(t)).startswith(("surface", "copy"))] == []
+    assert of_surfaces() == [], "what the capture needed stays"
 
 
 def test_the_picture_does_not_depend_on_settings_that_only_the_users_renders_concern(scene) -> None:

@@ -1,0 +1,117 @@
+"""Which probes objects belong to, where several could have them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pcc_addon.core.belonging import Belongings, belongings
+
+from .scenes import placement, spec
+
+
+def owners(found: Belongings) -> set[str]:
+    return set(found.owners.get("Wood", {}))
+
+
+def test_nothing_belongs_to_nothing() -> None:
+    assert belongings([], [placement("Table", "Wood")]) == Belongings()
+    assert belongings([spec("Hall")], []) == Belongings()
+
+
+def test_of_two_probes_an_object_belongs_to_the_one_that_has_more_of_it() -> None:
+    """The boxes reach from −2 to 2 and from 2 to 6; the first has three quarters of the first object."""
+    probes = [spec("Left"), spec("Right", 4.0)]
+    found = belongings(probes, [placement("Mostly Left", "Wood", x=1.4, size=(1.0, 0.5, 0.5))])
+    shares = {name: sum(objects.values()) for name, objects in found.owners["Wood"].items()}
+    assert shares["Left"] > shares["Right"] > 0.0
+    found = belongings(probes, [placement("Mostly Right", "Wood", x=2.6, size=(1.0, 0.5, 0.5))])
+    shares = {name: sum(objects.values()) for name, objects in found.owners["Wood"].items()}
+    assert shares["Right"] > shares["Left"] > 0.0
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_of_two_probes_around_an_object_the_one_whose_middle_is_nearer_counts_for_more(turned: bool) -> None:
+    probes = [spec("Small"), spec("Large", half=20.0)]
+    found = belongings(probes[::-1] if turned else probes, [placement("Table", "Wood", x=0.2)])
+    shares = {name: objects["Table"] for name, objects in found.owners["Wood"].items()}
+    assert set(shares) == {"Small", "Large"}
+    assert shares["Large"] > shares["Small"], "in half widths it is nearer to the middle of the large one"
+
+
+def test_an_object_that_only_touches_the_influence_belongs_to_the_nearest() -> None:
+    found = belongings([spec("Left"), spec("Right", 4.6)], [placement("Sill", "Wood", x=2.15, size=(0.05, 0.1, 0.1))])
+    assert owners(found) == {"Left"}
+
+
+@pytest.mark.parametrize(("aside", "expected"), [(0.0, {"Left", "Right"}), (2.4, {"Left"})])
+def test_a_sliver_does_not_belong_to_the_neighbour(aside: float, expected: set[str]) -> None:
+    """Of the 5 × 5 × 5 points of the object's bounds a face of 25 lies in the other room, or an edge of 5."""
+    probes = [spec("Left", half=3.0), spec("Right", 5.0, padding=0.0)]
+    table = placement("Table", "Wood", x=2.4, size=(0.7, 0.5, 0.5))
+    moved = type(table)("Table", ("Wood",), table.corners + np.array([0.0, aside, 0.0]))
+    assert owners(belongings(probes, [moved])) == expected
+
+
+def test_a_probe_far_away_has_nothing() -> None:
+    found = belongings([spec("Hall"), spec("Attic", 50.0)], [placement("Table", "Wood")])
+    assert owners(found) == {"Hall"}
+    assert belongings([spec("Hall")], [placement("Moon", "Wood", x=50.0)]) == Belongings()
+
+
+@pytest.mark.parametrize(("gap", "reached"), [(0.2, True), (0.3, False)])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_object_is_reached_as_far_as_the_influence_fades(gap: float, side: float, reached: bool) -> None:
+    """The influence ends 0.01 + 0.25 m beyond the box."""
+    found = belongings([spec("Hall")], [placement("Step", "Wood", x=side * (2.0 + gap + 0.5))])
+    assert owners(found) == ({"Hall"} if reached else set())
+
+
+def test_what_reaches_beyond_the_box_leaves_and_what_reaches_its_walls_touches() -> None:
+    hall = [spec("Hall")]
+    for size, leaves, touches in ((0.5, False, False), (2.0, False, True), (2.005, False, True), (2.1, True, True)):
+        found = belongings(hall, [placement("Thing", "Wood", "Iron", size=(size, 0.5, 0.5))])
+        assert found.leaving == ({"Hall": {"Wood", "Iron"}} if leaves else {}), size
+        assert found.touching == ({"Hall": {"Wood", "Iron"}} if touches else {}), size
+
+
+def test_every_material_and_every_object_is_counted() -> None:
+    placed = [placement("Table", "Wood", "Iron"), placement("Chair", "Wood", x=0.5), placement("Table", "Wood", x=-1.0)]
+    found = belongings([spec("Hall")], placed)
+    assert {name: set(of["Hall"]) for name, of in found.owners.items()} == {
+        "Wood": {"Table", "Chair"},
+        "Iron": {"Table"},
+    }
+    once = found.owners["Iron"]["Hall"]["Table"]
+    assert once == pytest.approx(1.0, abs=2e-3), "an object wholly inside counts as one"
+    assert found.owners["Wood"]["Hall"]["Table"] == pytest.approx(2.0 * once, abs=2e-3), "instances add up"
+
+
+def test_a_turned_box_has_what_is_in_it_and_not_what_is_in_its_bounds() -> None:
+    turn = np.eye(4)
+    turn[:2, :2] = np.array([[1.0, -1.0], [1.0, 1.0]]) * 0.5**0.5
+    from pcc_addon.core.probe import Box, ProbeSpec
+
+    diamond = ProbeSpec("Diamond", Box.from_matrix("Diamond", turn @ np.diag([2.0, 2.0, 2.0, 1.0])))
+    corner = placement("In the corner", "Wood", size=(0.1, 0.1, 0.1))
+    moved = type(corner)("In the corner", ("Wood",), corner.corners + np.array([2.3, 2.3, 0.0]))
+    tip = type(corner)("In the tip", ("Iron",), corner.corners + np.array([2.5, 0.0, 0.0]))
+    found = belongings([diamond], [moved, tip])
+    assert set(found.owners) == {"Iron"}
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_between_two_that_have_equally_little_the_name_decides(turned: bool) -> None:
+    probes = [spec("A", -2.2), spec("B", 2.2)]
+    found = belongings(probes[::-1] if turned else probes, [placement("Post", "Wood", size=(0.05, 0.05, 0.05))])
+    assert owners(found) == {"A"}
+
+
+def test_what_lies_in_the_padding_counts_as_inside() -> None:
+    found = belongings([spec("Hall")], [placement("Poster", "Wood", x=2.005, size=(0.001, 0.5, 0.5))])
+    assert found.owners["Wood"]["Hall"]["Poster"] == pytest.approx(1.0, abs=2e-3) and found.leaving == {}
+
+
+def test_the_influence_of_a_small_box_fades_as_far_as_that_of_a_large_one() -> None:
+    found = belongings([spec("Niche", half=0.25)], [placement("Step", "Wood", x=0.55, size=(0.1, 0.1, 0.1))])
+    assert owners(found) == {"Niche"}

@@ -1,0 +1,360 @@
+"""What the planner decides, from readings alone, and that it says why."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from pcc_addon.core.effects.dielectric import Dielectric
+from pcc_addon.core.effects.metal import Metal
+from pcc_addon.core.effects.multiscatter import Multiscatter
+from pcc_addon.core.effects.records import Correction, Outside
+from pcc_addon.core.pictures import LADDER, PictureKey, PictureKind
+from pcc_addon.core.plan import MaterialPlan, SurfacePlan, make_plan, plan_surfaces
+from pcc_addon.core.readings import CameraReading, MaterialReading, ProbeReading, SceneReading, SurfaceReading
+
+from .scenes import INPUTS, material, placement, probe, surface
+
+LIMIT = 0.6
+
+
+def planned(reading: SurfaceReading, limit: float = LIMIT) -> SurfacePlan:
+    [plan] = plan_surfaces(MaterialReading("Wood", (reading,)), limit)
+    return plan
+
+
+def plan_of(*materials: MaterialReading, probes: tuple[ProbeReading, ...] = (), **scene: object) -> MaterialPlan:
+    """The plan of the only material, on one object in the middle."""
+    probes = probes or (probe("Hall"),)
+    placed = scene.pop("placements", tuple(placement(f"Wears {m.name}", m.name) for m in materials))
+    [plan] = make_plan(SceneReading("Scene", probes, materials, placed, **scene)).materials
+    return plan
+
+
+# Surfaces
+
+
+def test_a_plain_surface_is_served_and_says_its_roughness_and_effects() -> None:
+    plan = planned(surface())
+    assert plan.effects is not None and plan.effects.effects == (Dielectric(1.5, 1.5, pytest.approx(0.04)),)
+    assert plan.roughness == (0.25, 0.25) and plan.handed_over is None
+    assert plan.reasons == ("roughness 0.25", plan.effects.label)
+    assert plan.path == ("Principled BSDF",) and plan.name == "Principled BSDF"
+
+
+def test_a_surface_in_groups_is_named_with_the_way_to_it() -> None:
+    assert planned(replace(surface(), path=("Outer", "Inner", "Shiny"))).name == "Outer › Inner › Shiny"
+
+
+@pytest.mark.parametrize(
+    ("inputs", "reason"),
+    [
+        ({"Transmission_Weight": 0.5}, "transmits light"),
+        ({"Coat_Weight": 0.01}, "has a coat"),
+        ({"Sheen_Weight": 1.0}, "has sheen"),
+        ({"Anisotropic": -0.5}, "is anisotropic"),
+        ({"Thin_Film_Thickness": 300.0}, "has a thin film"),
+        ({"Coat_Weight": None}, "has a coat"),
+        ({"IOR": None}, "has a varying IOR"),
+        ({"IOR": 0.99}, "has an IOR below 1"),
+        ({"Roughness": 0.61}, "its roughness 0.61 is above the scene's limit 0.6"),
+        ({"Roughness": 7.0}, "its roughness 7 is above the scene's limit 0.6"),
+        ({"Specular_IOR_Level": 0.0}, "it reflects nothing"),
+        ({"IOR": 1.0}, "it reflects nothing"),
+    ],
+    ids=str,
+)
+def test_a_surface_that_no_probe_can_serve_keeps_its_lobe_and_says_why(inputs: dict, reason: str) -> None:
+    plan = planned(surface(**inputs))
+    assert plan.effects is None and plan.reasons == (reason,)
+
+
+def test_all_reasons_are_given() -> None:
+    plan = planned(surface(Coat_Weight=1.0, Sheen_Weight=1.0, IOR=None, Roughness=0.9))
+    assert plan.reasons == (
+        "has a coat", "has sheen", "has a varying IOR", "its roughness 0.9 is above the scene's limit 0.6",
+    )  # fmt: skip
+
+
+def test_inputs_that_a_version_does_not_have_are_no_reason() -> None:
+    few = tuple((name, value) for name, value in INPUTS.items() if name not in {"Thin Film Thickness", "Sheen Weight"})
+    assert planned(replace(surface(), inputs=few)).effects is not None
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [("ShaderNodeBsdfGlass", "Glass"), ("ShaderNodeBsdfAnisotropic", "Anisotropic")],
+)
+def test_another_shader_is_named(kind: str, words: str) -> None:
+    plan = planned(SurfaceReading(("Glass",), kind, (("Roughness", 0.1),)))
+    assert plan.effects is None and plan.reasons == (f"it is no Principled BSDF but a {words} shader",)
+
+
+@pytest.mark.parametrize("limit", [0.0, 0.3, 1.0])
+def test_the_limit_itself_is_served(limit: float) -> None:
+    assert planned(surface(Roughness=limit), limit).effects is not None
+    if limit < 1.0:
+        assert planned(surface(Roughness=limit + 0.001), limit).effects is None
+
+
+@pytest.mark.parametrize(("value", "expected"), [(-0.5, 0.0), (0.0, 0.0), (0.4, 0.4), (1.5, 1.0)])
+def test_a_roughness_is_what_the_renderer_makes_of_it(value: float, expected: float) -> None:
+    assert planned(surface(Roughness=value), 2.0).roughness == (expected, expected)
+
+
+def test_a_varying_roughness_may_be_anything_and_is_handed_over_at_the_limit() -> None:
+    plan = planned(surface(Roughness=None))
+    assert plan.roughness == (0.0, 1.0) and plan.handed_over == LIMIT
+    assert plan.reasons[0] == "roughness varies; where it is above the limit 0.6 it keeps its own lobe"
+    everywhere = planned(surface(Roughness=None), 1.0)
+    assert everywhere.handed_over is None and everywhere.reasons[0] == "roughness varies"
+
+
+@pytest.mark.parametrize(
+    ("inputs", "kinds"),
+    [
+        ({"distribution": "MULTI_GGX"}, (Multiscatter, Dielectric)),
+        ({"distribution": "MULTI_GGX", "Roughness": 0.0}, (Dielectric,)),
+        ({"distribution": "MULTI_GGX", "Roughness": None}, (Multiscatter, Dielectric)),
+        ({"Metallic": 1.0}, (Metal,)),
+        ({"Metallic": 0.5}, (Dielectric, Metal)),
+        ({"Metallic": None}, (Dielectric, Metal)),
+        ({"Metallic": 1.0, "distribution": "MULTI_GGX"}, (Multiscatter, Metal)),
+        ({"Specular_IOR_Level": 0.0, "Metallic": 0.5}, (Metal,)),
+    ],
+    ids=str,
+)
+def test_a_surface_gets_the_effects_that_its_sockets_require(inputs: dict, kinds: tuple) -> None:
+    plan = planned(surface(**inputs))
+    assert plan.effects is not None and tuple(type(effect) for effect in plan.effects.effects) == kinds
+
+
+@pytest.mark.parametrize(
+    ("inputs", "expected"),
+    [
+        ({"Specular_Tint": (1.0, 0.5, 0.5, 1.0)}, Dielectric(1.5, 1.5, None)),
+        ({"Specular_Tint": None}, Dielectric(1.5, 1.5, None)),
+        ({"Specular_IOR_Level": None}, Dielectric(1.5, 1.5, None)),
+        ({"Metallic": 1.0, "Specular_Tint": (1.0, 1.0, 0.5, 1.0)}, Metal(tinted=True, pure=True)),
+        ({"Metallic": 1.0}, Metal(tinted=False, pure=True)),
+    ],
+    ids=str,
+)
+def test_a_tint_is_computed_where_it_is_not_white(inputs: dict, expected: Dielectric | Metal) -> None:
+    plan = planned(surface(**inputs))
+    assert plan.effects is not None and plan.effects.effects == (expected,)
+
+
+# Materials
+
+
+def test_a_material_shows_the_probe_that_its_object_is_in() -> None:
+    plan = plan_of(material("Wood", emits=True), probes=(probe("Attic", 50.0), probe("Hall")))
+    assert plan.probes == ("Hall",) and plan.objects == (("Wears Wood", "Hall"),)
+    assert plan.emits and plan.reasons == () and plan.notes == ()
+    assert set(plan.served) == {("Principled BSDF",)}
+
+
+def test_materials_far_from_every_probe_have_no_plan() -> None:
+    scene = SceneReading("Scene", (probe("Hall"),), (material("Wood"),), (placement("Moon", "Wood", x=90.0),))
+    assert make_plan(scene).materials == ()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_probe_with_most_of_a_materials_objects_comes_first(turned: bool) -> None:
+    probes = (probe("A", 0.0), probe("B", 10.0))
+    placed = [placement("One", "Wood"), placement("Two", "Wood", x=10.0), placement("Three", "Wood", x=11.0)]
+    plan = plan_of(material("Wood"), probes=probes[::-1] if turned else probes, placements=tuple(placed))
+    assert plan.probes == ("B", "A")
+    assert plan.objects == (("One", "A"), ("Three", "B"), ("Two", "B"))
+
+
+def test_where_two_probes_have_as_much_the_name_decides() -> None:
+    placed = (placement("One", "Wood"), placement("Two", "Wood", x=10.0))
+    for names in (("A", "B"), ("B", "A")):
+        plan = plan_of(material("Wood"), probes=(probe(names[0]), probe(names[1], 10.0)), placements=placed)
+        assert plan.probes == ("A", "B")
+
+
+def test_each_surface_is_planned_on_its_own_and_the_one_left_is_named() -> None:
+    plan = plan_of(material("Wood", surface("Good"), surface("Odd", Coat_Weight=1.0, Sheen_Weight=1.0)))
+    assert set(plan.served) == {("Good",)} and plan.probes == ("Hall",)
+    assert plan.notes == ("material 'Wood': surface 'Odd' keeps its own lobe: has a coat and has sheen",)
+
+
+def test_a_material_none_of_whose_surfaces_can_be_served_shows_nothing_and_names_each() -> None:
+    plan = plan_of(material("Wood", surface("A", Coat_Weight=1.0), surface("B", Roughness=0.9), emits=True))
+    assert plan.probes == () and plan.objects == () and plan.served == {} and plan.emits
+    assert [note.split(" keeps")[0] for note in plan.notes] == [
+        "material 'Wood': surface 'A'",
+        "material 'Wood': surface 'B'",
+    ]
+
+
+def test_obstacles_keep_a_material_as_it_is_and_are_all_named_once() -> None:
+    plan = plan_of(material("Wood", surface(Coat_Weight=1.0), obstacles=("is linked", "is odd")))
+    assert plan.probes == ()
+    assert plan.notes == ("material 'Wood' is linked; left as it is", "material 'Wood' is odd; left as it is")
+    assert plan_of(material("Wood", obstacles=("is linked",))).probes == ()
+
+
+def test_a_material_without_surfaces_is_named() -> None:
+    plan = plan_of(MaterialReading("Light"))
+    assert plan.notes == ("material 'Light' has no surface that a probe could light; left as it is",)
+
+
+def many(count: int) -> tuple[tuple[ProbeReading, ...], tuple]:
+    """Probes side by side, and an object in each, more of them in the earlier ones."""
+    probes = tuple(probe(f"P{k:02}", 10.0 * k) for k in range(count))
+    return probes, tuple(placement(f"{k:02} {n}", "Wood", x=10.0 * k) for k in range(count) for n in range(count - k))
+
+
+@pytest.mark.parametrize(
+    ("surfaces", "textures", "expected"),
+    [
+        ((surface(),), 0, 10),  # 30 samplers, three pictures each
+        ((surface(),), 3, 9),
+        ((surface(),), 4, 8),
+        ((surface("A"), surface("B")), 0, 5),
+        ((surface(Roughness=None),), 0, 3),  # eight levels each
+        ((surface("A"), surface("B", Coat_Weight=1.0)), 0, 10),  # one that is not served reads nothing
+        ((surface(),), 40, 1),
+    ],
+    ids=[
+        "one surface", "three textures", "four textures", "two surfaces", "a varying roughness", "one not served",
+        "too many textures",
+    ],
+)  # fmt: skip
+def test_a_material_shows_as_many_probes_as_eevee_can_read(surfaces: tuple, textures: int, expected: int) -> None:
+    probes, placed = many(12)
+    plan = plan_of(material("Wood", *surfaces, textures=textures), probes=probes, placements=placed)
+    assert plan.probes == tuple(f"P{k:02}" for k in range(expected)), "those with most objects stay"
+    assert {name for _, name in plan.objects} == set(plan.probes)
+    [reason] = plan.reasons
+    assert reason.startswith(f"shows {expected} probes and not 'P{expected:02}'") and reason.count("'P11'") == 1
+    assert plan.notes[0] == f"material 'Wood' {reason}"
+
+
+def test_as_many_as_can_be_read_give_no_reason() -> None:
+    probes, placed = many(10)
+    plan = plan_of(material("Wood"), probes=probes, placements=placed)
+    assert len(plan.probes) == 10 and plan.reasons == ()
+
+
+# Probes
+
+
+def probe_plan(*placed: object, cameras: tuple = (), **more: object) -> object:
+    plan = make_plan(SceneReading("Scene", (probe("Hall", **more),), (material("Wood"),), placed, cameras=cameras))
+    return plan.probe("Hall")
+
+
+def test_a_probe_with_all_surfaces_inside_tests_and_fades_nothing() -> None:
+    plan = probe_plan(placement("Table", "Wood"))
+    assert plan.lookup.correction is Correction.ALIGNED_BOX and plan.lookup.outside is None
+    assert not plan.lookup.offset and not plan.lookup.facing and not plan.shares
+    assert plan.receivers.all_inside and not plan.receivers.seen_from_outside
+    assert plan.reasons == ("1 materials show it", "all levels, so that a changed roughness needs no new bake")
+
+
+@pytest.mark.parametrize("outside", list(Outside))
+def test_a_surface_that_leaves_the_box_makes_it_fade_as_it_is_set(outside: Outside) -> None:
+    plan = probe_plan(placement("Floor", "Wood", size=(5.0, 5.0, 0.1)), outside=outside)
+    assert plan.lookup.outside is outside and plan.lookup.facing and not plan.receivers.all_inside
+    assert "surfaces of 'Wood' reach beyond its box, so it fades" in plan.reasons
+
+
+WALL = placement("Wall", "Wood", x=1.5)
+
+
+@pytest.mark.parametrize(
+    ("places", "watched"),
+    [
+        ((), True),
+        (((0.0, 0.0, 0.0),), False),
+        (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), False),
+        (((9.0, 0.0, 0.0),), True),
+        (((0.0, 0.0, 0.0), (9.0, 0.0, 0.0)), True),
+        ((None,), True),
+        (((0.0, 0.0, 0.0), None), True),
+    ],
+    ids=["no camera", "inside", "both inside", "outside", "one outside", "animated", "one animated"],
+)
+def test_a_wall_on_the_box_is_looked_at_from_outside_unless_all_cameras_stay_in(places: tuple, watched: bool) -> None:
+    cameras = tuple(CameraReading(f"Camera {k}", place) for k, place in enumerate(places))
+    plan = probe_plan(WALL, cameras=cameras)
+    assert plan.receivers.seen_from_outside is watched and plan.receivers.all_inside
+    assert plan.lookup.facing is watched and (plan.lookup.outside is not None) is watched
+    said = [r for r in plan.reasons if r.startswith("surfaces of 'Wood' lie on its box and may be seen from outside")]
+    assert len(said) == watched
+
+
+def test_nobody_looks_at_an_object_in_the_middle_from_outside() -> None:
+    far = (CameraReading("Camera", (90.0, 0.0, 0.0)),)
+    assert not probe_plan(placement("Table", "Wood"), cameras=far).receivers.seen_from_outside
+
+
+def test_the_capture_point_counts_where_the_pictures_were_taken() -> None:
+    table, wood = placement("Table", "Wood"), material("Wood")
+
+    def offset(reading: ProbeReading) -> bool:
+        plan = make_plan(SceneReading("Scene", (reading,), (wood,), (table,))).probe("Hall")
+        assert plan is not None
+        return plan.lookup.offset
+
+    assert not offset(probe("Hall")), "before the first bake at the centre"
+    assert offset(probe("Hall", capture_offset=(0.1, 0.0, 0.0)))
+    assert offset(replace(probe("Hall"), captured_at=(0.5, 0.0, 0.0)))
+    moved_back = replace(probe("Hall", capture_offset=(0.1, 0.0, 0.0)), captured_at=(0.0, 0.0, 0.0))
+    assert not offset(moved_back)
+
+
+def test_a_probe_that_shares_a_material_says_so_and_one_that_does_not_does_not() -> None:
+    probes = (probe("A"), probe("B", 10.0), probe("C", 20.0), probe("D", 30.0))
+    placed = (
+        placement("One", "Wood"), placement("Two", "Wood", "Iron", x=10.0), placement("Three", "Iron", x=20.0),
+        placement("Four", "Clay", x=30.0),
+    )  # fmt: skip
+    plan = make_plan(SceneReading("Scene", probes, tuple(map(material, ("Clay", "Iron", "Wood"))), placed))
+    assert [(p.probe, p.shares) for p in plan.probes] == [("A", True), ("B", True), ("C", True), ("D", False)]
+    b, d = plan.probe("B"), plan.probe("D")
+    assert b is not None and d is not None and plan.probe("E") is None
+    assert "shares 'Iron' and 'Wood' with other probes, by place" in b.reasons
+    assert "2 materials show it" in b.reasons
+    assert not any("shares" in reason for reason in d.reasons)
+
+
+def test_a_probe_that_no_material_shows_says_so() -> None:
+    plan = probe_plan()
+    assert plan.reasons[0] == "no material shows it" and not plan.shares and plan.receivers.all_inside
+
+
+def test_a_probe_dropped_for_want_of_samplers_is_not_counted_as_shown() -> None:
+    probes, placed = many(3)
+    plan = make_plan(SceneReading("Scene", probes, (material("Wood", textures=24),), placed))
+    assert [p.reasons[0] for p in plan.probes] == ["1 materials show it", "1 materials show it", "no material shows it"]
+
+
+def test_every_probe_needs_the_whole_ladder_sharpest_first() -> None:
+    expected = tuple(PictureKey(PictureKind.RADIANCE, level) for level in range(len(LADDER)))
+    assert probe_plan(placement("Table", "Wood")).pictures == probe_plan().pictures == expected
+
+
+def test_the_classic_lookup_has_no_box() -> None:
+    assert probe_plan(placement("Floor", "Wood", size=(5.0, 5.0, 0.1)), corrected=False).lookup.correction is (
+        Correction.NONE
+    )
+
+
+def test_a_faulty_probe_is_named_and_the_others_go_on() -> None:
+    broken = ProbeReading("Broken", None, "probe 'Broken': its box has no volume")
+    plan = make_plan(SceneReading("Scene", (broken, probe("Hall")), (material("Wood"),), (placement("T", "Wood"),)))
+    assert [p.probe for p in plan.probes] == ["Hall"] and plan.notes == ("probe 'Broken': its box has no volume",)
+    assert plan.materials[0].probes == ("Hall",)
+
+
+def test_the_scenes_own_limit_counts() -> None:
+    wood = material("Wood", surface(Roughness=0.5))
+    assert plan_of(wood, roughness_limit=0.4).probes == ()
+    assert plan_of(wood, roughness_limit=0.5).probes == ("Hall",)
