@@ -160,16 +160,16 @@ def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) ->
     kind = KINDS.get(surface.kind)
     if kind is None:
         words = surface.kind.removeprefix("ShaderNode").removeprefix("Bsdf")
-        yield f"no probe serves {words} shaders; a Principled BSDF would show one"
+        yield f"is a {words} shader (a Principled BSDF would show a probe)"
         return
     yield from (why for name, why in kind.refused.items() if surface.has(name) and surface.value(name) != 0.0)
     if surface.distribution and surface.distribution not in MICROFACETS:
-        yield f"its microfacets are {surface.distribution.replace('_', ' ').title()}; GGX would let it show a probe"
+        yield f"its microfacets are {surface.distribution.replace('_', ' ').title()} (GGX would show a probe)"
     if surface.fresnel not in ("", "F82"):
-        yield "has a physical conductor's curve; F82 Tint would let it show a probe"
+        yield "has a physical conductor's curve (F82 Tint would show a probe)"
     ior = surface.scalar("IOR") if surface.has("IOR") else 1.0
     if ior is None:
-        yield "has a varying IOR; a constant one would let it show a probe"
+        yield "has a varying IOR (a constant one would show a probe)"
     elif ior < 1.0:
         yield "has an IOR below 1"
     if roughness is not None and roughness > limit:

@@ -7,12 +7,13 @@ from dataclasses import replace
 import pytest
 
 from pcc_addon.core.effects.dielectric import Dielectric
-from pcc_addon.core.effects.metal import Metal
+from pcc_addon.core.effects.glossy import Glossy
+from pcc_addon.core.effects.metal import Metal, TintedMetal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, Outside
 from pcc_addon.core.pictures import LADDER, PictureKey, PictureKind
 from pcc_addon.core.plan import MaterialPlan, SurfacePlan, make_plan, plan_surfaces
-from pcc_addon.core.readings import CameraReading, MaterialReading, ProbeReading, SceneReading, SurfaceReading
+from pcc_addon.core.readings import CameraReading, MaterialReading, ProbeReading, SceneReading, SurfaceReading, Value
 
 from .scenes import INPUTS, material, placement, probe, surface
 
@@ -31,6 +32,9 @@ def plan_of(*materials: MaterialReading, probes: tuple[ProbeReading, ...] = (), 
     [plan] = make_plan(SceneReading("Scene", probes, materials, placed, **scene)).materials
     return plan
 
+
+ANISOTROPIC = "is anisotropic (0 would show a probe)"
+FILM = "has a thin film (a thickness of 0 would show a probe)"
 
 # Surfaces
 
@@ -51,12 +55,10 @@ def test_a_surface_in_groups_is_named_with_the_way_to_it() -> None:
     ("inputs", "reason"),
     [
         ({"Transmission_Weight": 0.5}, "transmits light"),
-        ({"Coat_Weight": 0.01}, "has a coat"),
-        ({"Sheen_Weight": 1.0}, "has sheen"),
-        ({"Anisotropic": -0.5}, "is anisotropic"),
-        ({"Thin_Film_Thickness": 300.0}, "has a thin film"),
-        ({"Coat_Weight": None}, "has a coat"),
-        ({"IOR": None}, "has a varying IOR"),
+        ({"Anisotropic": -0.5}, ANISOTROPIC),
+        ({"Anisotropic": None}, ANISOTROPIC),
+        ({"Thin_Film_Thickness": 300.0}, FILM),
+        ({"IOR": None}, "has a varying IOR (a constant one would show a probe)"),
         ({"IOR": 0.99}, "has an IOR below 1"),
         ({"Roughness": 0.61}, "its roughness 0.61 is above the scene's limit 0.6"),
         ({"Roughness": 7.0}, "its roughness 7 is above the scene's limit 0.6"),
@@ -70,10 +72,59 @@ def test_a_surface_that_no_probe_can_serve_keeps_its_lobe_and_says_why(inputs: d
     assert plan.effects is None and plan.reasons == (reason,)
 
 
+@pytest.mark.parametrize(("name", "layer"), [("Coat_Weight", "coat"), ("Sheen_Weight", "sheen")])
+@pytest.mark.parametrize("weight", [0.01, None])
+def test_layers_stay_over_the_lobe(name: str, layer: str, weight: float | None) -> None:
+    plan = planned(surface(**{name: weight}))
+    assert plan.effects == planned(surface()).effects and plan.layered and not planned(surface()).layered
+    assert plan.reasons[-1] == f"its {layer} lies over that as it is"
+
+
+def other(kind: str, distribution: str = "GGX", fresnel: str = "", **inputs: Value) -> SurfaceReading:
+    given = {key.replace("_", " "): value for key, value in {"Roughness": 0.1, **inputs}.items()}
+    return SurfaceReading(("Other",), kind, tuple(given.items()), distribution, fresnel)
+
+
+WHITE = (1.0, 1.0, 1.0, 1.0)
+
+
+def test_glossy_and_metallic_surfaces_are_served_and_leave_no_base() -> None:
+    glossy = planned(other("ShaderNodeBsdfAnisotropic", Color=WHITE, Anisotropy=0.0))
+    metal = planned(other("ShaderNodeBsdfMetallic", "MULTI_GGX", "F82", Edge_Tint=WHITE))
+    assert glossy.effects.effects == (Glossy(),) and not glossy.effects.leaves_base
+    assert metal.effects.effects == (Multiscatter(), TintedMetal(False)) and not metal.effects.leaves_base
+    tinted = planned(other("ShaderNodeBsdfMetallic", "GGX", "F82", Edge_Tint=(1.0, 0.9, 1.0, 1.0)))
+    assert tinted.effects.effects == (TintedMetal(True),)
+
+
+@pytest.mark.parametrize(
+    ("reading", "reason"),
+    [
+        (other("ShaderNodeBsdfAnisotropic", Color=WHITE, Anisotropy=0.5), ANISOTROPIC),
+        (
+            other("ShaderNodeBsdfAnisotropic", "ASHIKHMIN_SHIRLEY", Color=WHITE),
+            "its microfacets are Ashikhmin Shirley (GGX would show a probe)",
+        ),
+        (
+            other("ShaderNodeBsdfMetallic", "GGX", "PHYSICAL_CONDUCTOR", Edge_Tint=WHITE),
+            "has a physical conductor's curve (F82 Tint would show a probe)",
+        ),
+        (other("ShaderNodeBsdfAnisotropic", Color=(0.0, 0.0, 0.0, 1.0)), "it reflects nothing"),
+        (other("ShaderNodeBsdfDiffuse"), "it reflects nothing"),
+        (SurfaceReading(("Other",), "ShaderNodeBsdfTransparent", ()), "it reflects nothing"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value.kind,
+)
+def test_other_surfaces_that_no_probe_can_serve_say_why(reading: SurfaceReading, reason: str) -> None:
+    plan = planned(reading)
+    assert plan.effects is None and plan.reasons == (reason,)
+
+
 def test_all_reasons_are_given() -> None:
-    plan = planned(surface(Coat_Weight=1.0, Sheen_Weight=1.0, IOR=None, Roughness=0.9))
+    plan = planned(surface(Anisotropic=1.0, Thin_Film_Thickness=9.0, IOR=None, Roughness=0.9))
     assert plan.reasons == (
-        "has a coat", "has sheen", "has a varying IOR", "its roughness 0.9 is above the scene's limit 0.6",
+        ANISOTROPIC, FILM, "has a varying IOR (a constant one would show a probe)",
+        "its roughness 0.9 is above the scene's limit 0.6",
     )  # fmt: skip
 
 
@@ -84,11 +135,11 @@ def test_inputs_that_a_version_does_not_have_are_no_reason() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "words"),
-    [("ShaderNodeBsdfGlass", "Glass"), ("ShaderNodeBsdfAnisotropic", "Anisotropic")],
+    [("ShaderNodeBsdfGlass", "Glass"), ("ShaderNodeEeveeSpecular", "EeveeSpecular")],
 )
 def test_another_shader_is_named(kind: str, words: str) -> None:
     plan = planned(SurfaceReading(("Glass",), kind, (("Roughness", 0.1),)))
-    assert plan.effects is None and plan.reasons == (f"it is no Principled BSDF but a {words} shader",)
+    assert plan.effects is None and plan.reasons == (f"is a {words} shader (a Principled BSDF would show a probe)",)
 
 
 @pytest.mark.parametrize("limit", [0.0, 0.3, 1.0])
@@ -178,13 +229,13 @@ def test_where_two_probes_have_as_much_the_name_decides() -> None:
 
 
 def test_each_surface_is_planned_on_its_own_and_the_one_left_is_named() -> None:
-    plan = plan_of(material("Wood", surface("Good"), surface("Odd", Coat_Weight=1.0, Sheen_Weight=1.0)))
+    plan = plan_of(material("Wood", surface("Good"), surface("Odd", Anisotropic=1.0, Thin_Film_Thickness=9.0)))
     assert set(plan.served) == {("Good",)} and plan.probes == ("Hall",)
-    assert plan.notes == ("material 'Wood': surface 'Odd' keeps its own lobe: has a coat and has sheen",)
+    assert plan.notes == (f"material 'Wood': surface 'Odd' keeps its own lobe: {ANISOTROPIC} and {FILM}",)
 
 
 def test_a_material_none_of_whose_surfaces_can_be_served_shows_nothing_and_names_each() -> None:
-    plan = plan_of(material("Wood", surface("A", Coat_Weight=1.0), surface("B", Roughness=0.9), emits=True))
+    plan = plan_of(material("Wood", surface("A", Anisotropic=1.0), surface("B", Roughness=0.9), emits=True))
     assert plan.probes == () and plan.objects == () and plan.served == {} and plan.emits
     assert [note.split(" keeps")[0] for note in plan.notes] == [
         "material 'Wood': surface 'A'",
@@ -193,7 +244,7 @@ def test_a_material_none_of_whose_surfaces_can_be_served_shows_nothing_and_names
 
 
 def test_obstacles_keep_a_material_as_it_is_and_are_all_named_once() -> None:
-    plan = plan_of(material("Wood", surface(Coat_Weight=1.0), obstacles=("is linked", "is odd")))
+    plan = plan_of(material("Wood", surface(Anisotropic=1.0), obstacles=("is linked", "is odd")))
     assert plan.probes == ()
     assert plan.notes == ("material 'Wood' is linked; left as it is", "material 'Wood' is odd; left as it is")
     assert plan_of(material("Wood", obstacles=("is linked",))).probes == ()
@@ -218,7 +269,7 @@ def many(count: int) -> tuple[tuple[ProbeReading, ...], tuple]:
         ((surface(),), 4, 8),
         ((surface("A"), surface("B")), 0, 5),
         ((surface(Roughness=None),), 0, 3),  # eight levels each
-        ((surface("A"), surface("B", Coat_Weight=1.0)), 0, 10),  # one that is not served reads nothing
+        ((surface("A"), surface("B", Anisotropic=1.0)), 0, 10),  # one that is not served reads nothing
         ((surface(),), 40, 1),
     ],
     ids=[

@@ -16,7 +16,7 @@ SCENE = SceneReading(
     (ProbeReading("Broken", None, "probe 'Broken' is faulty"), probe("A"), probe("B", 10.0)),
     (
         MaterialReading("Linked", (), ("is linked",)),
-        material("Wood", surface("Good"), surface("Odd", Coat_Weight=1.0, Sheen_Weight=1.0)),
+        material("Wood", surface("Good"), surface("Odd", Anisotropic=1.0, Roughness=0.9)),
     ),
     (placement("Here", "Wood", "Linked"), placement("There", "Wood", x=10.0)),
 )
@@ -40,7 +40,8 @@ def test_the_text_says_everything() -> None:
         "    object 'Here' shows 'A'",
         "    object 'There' shows 'B'",
         f"    surface 'Good': roughness 0.25; {GOOD}",
-        "    surface 'Odd': keeps its own lobe: has a coat; has sheen",
+        "    surface 'Odd': keeps its own lobe: is anisotropic (0 would show a probe); "
+        "its roughness 0.9 is above the scene's limit 0.6",
         "probe 'Broken' is faulty",
     ]
 
@@ -72,7 +73,14 @@ def test_the_records_say_everything() -> None:
         "objects": [{"object": "Here", "probe": "A"}, {"object": "There", "probe": "B"}],
         "surfaces": [
             {"path": ["Good"], "effects": GOOD, "reasons": ["roughness 0.25", GOOD]},
-            {"path": ["Odd"], "effects": None, "reasons": ["has a coat", "has sheen"]},
+            {
+                "path": ["Odd"],
+                "effects": None,
+                "reasons": [
+                    "is anisotropic (0 would show a probe)",
+                    "its roughness 0.9 is above the scene's limit 0.6",
+                ],
+            },
         ],
         "reasons": [],
     }

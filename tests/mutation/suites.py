@@ -21,7 +21,7 @@ SUITES: dict[str, tuple[str, ...]] = {
     "core/pictures.py": ("tests/core/test_pictures.py", "tests/core/test_plan.py", "tests/core/test_sidecar.py"),
     "core/probe.py": ("tests/core/test_probe.py", "tests/core/test_formula.py"),
     "core/readings.py": ("tests/core/test_plan.py", "tests/core/test_effects.py"),
-    "core/effects/choice.py": ("tests/core/test_choice.py",),
+    "core/effects/choice.py": ("tests/core/test_coverage.py",),
     "core/effects/dielectric.py": _REFLECTANCE,
     "core/effects/fresnel.py": _REFLECTANCE,
     "core/effects/lobe.py": _REFLECTANCE,

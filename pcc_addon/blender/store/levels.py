@@ -212,7 +212,7 @@ def _packed(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.ty
 def _in_place_of(
     old: bpy.types.Image | None, image: bpy.types.Image, probe: bpy.types.Object, level: sidecar.Level
 ) -> bpy.types.Image:
-    """A new picture wherever the one before was used. Each has a data block of its own, which undo brings back whole."""
+    """A new picture wherever the one before was used. Each has its own data block, which undo brings back whole."""
     if old is not None:
         old.user_remap(image)
         bpy.data.images.remove(old)

@@ -34,8 +34,8 @@ class Kind:
     leaves_base: bool = False
 
 
-_FILM = "has a thin film, whose colours no probe shows; a Thin Film Thickness of 0 would let it"
-_ANISOTROPIC = "is anisotropic; an anisotropy of 0 would let it show a probe"
+_FILM = "has a thin film (a thickness of 0 would show a probe)"
+_ANISOTROPIC = "is anisotropic (0 would show a probe)"
 
 KINDS: Mapping[str, Kind] = {
     PRINCIPLED: Kind(

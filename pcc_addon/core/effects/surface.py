@@ -1,8 +1,8 @@
 """How much a surface reflects, and what it leaves to a diffuse base: its effects, one after the other.
 
-A Principled surface follows the layering of Blender's own: a metallic lobe mixed by Metallic with a dielectric lobe over
-the diffuse base, which gets what the largest channel of the dielectric lobe leaves. The radiance that reaches the lobe
-is averaged apart from it (split sum, Karis 2013).
+A Principled surface follows the layering of Blender's own: a metallic lobe mixed by Metallic with a dielectric lobe
+over the diffuse base, which gets what the largest channel of the dielectric lobe leaves. The radiance that reaches the
+lobe is averaged apart from it (split sum, Karis 2013).
 """
 
 from __future__ import annotations
