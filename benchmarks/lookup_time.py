@@ -9,6 +9,7 @@ from statistics import median
 import bpy
 import numpy as np
 
+from pcc_addon.blender.rendering import render
 from pcc_addon.blender.shade import node_builder
 from pcc_addon.core.expression import Expr
 from sample_blends.scenes import emissive, empty_scene
@@ -33,7 +34,7 @@ def relative_times(
             plane.data.materials.clear()
             plane.data.materials.append(materials[name])
             begin = os.times().user
-            bpy.ops.render.render(scene=scene.name)
+            render(scene)
             seconds[name].append(os.times().user - begin)
     times = {name: median(values[1:]) for name, values in seconds.items()}  # the first round warms up
     return {name: time / times[names[0]] for name, time in times.items()}

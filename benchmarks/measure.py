@@ -4,31 +4,20 @@ from __future__ import annotations
 
 import atexit
 import sys
-import tempfile
-import time
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
 
 import pcc_addon
-from pcc_addon.blender import compat
-from pcc_addon.blender.store import pictures
+from pcc_addon.blender import rendering
+from pcc_addon.blender.rendering import Frame
 from pcc_addon.core.probe import Engine
 from pcc_addon.quiet import quiet_blender
 
 ROOT = Path(__file__).resolve().parents[1]
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A rendered picture (h, w, 3) float32, scene-linear, row 0 at the bottom; and the seconds it took."""
-
-    pixels: np.ndarray
-    seconds: float
 
 
 def start() -> None:
@@ -41,18 +30,8 @@ def start() -> None:
 
 
 def render(scene: bpy.types.Scene, engine: Engine = Engine.CYCLES, samples: int = 64) -> Frame:
-    """Render the scene's camera."""
-    scene.render.engine = compat.engine_id(engine)
-    scene.cycles.samples = scene.eevee.taa_render_samples = samples
-    with tempfile.TemporaryDirectory() as folder:
-        restore = compat.set_float_exr(scene.render.image_settings)
-        scene.render.filepath = str(Path(folder) / "frame.exr")
-        begin = time.perf_counter()
-        bpy.ops.render.render(write_still=True)
-        seconds = time.perf_counter() - begin
-        pixels = pictures.read_file(Path(scene.render.filepath))
-        restore()
-    return Frame(pixels, seconds)
+    """Render the scene's camera; its settings are afterwards as before."""
+    return rendering.render(scene, rendering.RenderSettings(engine, samples))
 
 
 def covered(scene: bpy.types.Scene, item: bpy.types.Object) -> np.ndarray:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+
+from pcc_addon.blender import rendering
 
 
 @dataclass(frozen=True)
@@ -21,11 +22,7 @@ class Rendered:
 
 def render(scene: bpy.types.Scene, label: str, path: Path) -> Rendered:
     """Render a scene's camera into a PNG."""
-    scene.render.image_settings.file_format = "PNG"
-    scene.render.filepath = str(path)
-    start = time.perf_counter()
-    bpy.ops.render.render(write_still=True)
-    return Rendered(label, path, time.perf_counter() - start)
+    return Rendered(label, path, rendering.render(scene, shown=path).seconds)
 
 
 def three_ways(scene: bpy.types.Scene, probe: bpy.types.Object, folder: Path) -> list[Rendered]:

@@ -8,18 +8,15 @@ numbers that its nodes compute, signed. What is not finite arrives as 0: Cycles 
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
-from pathlib import Path
 
 import bpy
 import numpy as np
 
-from pcc_addon.blender import compat
+from pcc_addon.blender import compat, rendering
 from pcc_addon.blender.overrides import temporary
 from pcc_addon.blender.shade import node_builder
-from pcc_addon.blender.store import pictures
 from pcc_addon.core.expression import Expr
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import emissive
@@ -84,7 +81,6 @@ class _Bench:
         self._cases = cases
         self._width = max(int(np.ceil(np.sqrt(cases))), 4)  # Blender renders at least 4×4 pixels
         self._height = max(-(-cases // self._width), 4)
-        self._folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pcc-harness-")))
         data = bpy.data
         self._scene = temporary(stack, data.scenes, data.scenes.new("harness"))
         self._material, self._emission = emissive("harness")
@@ -159,7 +155,4 @@ class _Bench:
     def render(self, socket: bpy.types.NodeSocket) -> np.ndarray:
         """(n, 3) float32 of what a socket computes."""
         self._material.node_tree.links.new(socket, self._emission.inputs["Color"])
-        bpy.ops.render.render(scene=self._scene.name)
-        path = self._folder / "cases.exr"
-        bpy.data.images["Render Result"].save_render(str(path), scene=self._scene)
-        return pictures.read_file(path).reshape(-1, 3)[: self._cases]
+        return rendering.render(self._scene).pixels.reshape(-1, 3)[: self._cases]

@@ -114,3 +114,14 @@ def test_data_goes_one_way(room: str) -> None:
 
 def test_the_rule_sees_what_the_bake_imports() -> None:
     assert set(_rooms(PACKAGE / "blender" / "bake" / "job.py")) == set(ROAD)
+
+
+RENDERERS = [
+    p for folder in ("pcc_addon", "sample_blends", "benchmarks") for p in sorted((ROOT / folder).rglob("*.py"))
+]
+
+
+@pytest.mark.parametrize("path", RENDERERS, ids=_name)
+def test_every_render_goes_through_one_door(path: Path) -> None:
+    renders = "ops.render.render" in path.read_text(encoding="utf-8")
+    assert renders == (_name(path) == "pcc_addon/blender/rendering.py")

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
 from ...core.cubemap import FACES
-from ...core.errors import BakeError, Cancelled
+from ...core.errors import BakeError
 from ...core.probe import Engine, ProbeSpec
-from ...core.workplace import WORKPLACE, temporary_folder
 from .. import compat
 from ..overrides import override, temporary
 from ..read.scene import rendered_objects
-from ..store import pictures
+from ..rendering import Renderer, RenderSettings
 from . import lamps
 
 OVERSCAN = 8  # pixels on each side, so that denoising and filtering at an edge have real neighbours
@@ -28,9 +28,9 @@ class Stage:
     def __init__(self, stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
         self.scene = scene
         self.view_layer = view_layer
-        self._folder = stack.enter_context(temporary_folder(WORKPLACE))
-        stack.callback(compat.set_float_exr(scene.render.image_settings))
+        self._renderer = Renderer(stack, scene, view_layer)
         _quiet_render(stack, scene)
+        _set_engines(stack, scene)
         _show_as_reflected(stack, scene, view_layer)
         camera = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
         self.camera = temporary(stack, bpy.data.objects, bpy.data.objects.new("pcc capture", camera))
@@ -38,19 +38,16 @@ class Stage:
         override(stack, scene, "camera", self.camera)
 
     def aim(self, stack: ExitStack, probe: ProbeSpec) -> None:
-        """Set the engine, the camera and what is hidden for one probe, until `stack` closes."""
+        """Set the engine and the camera for one probe, and what is hidden from it until `stack` closes."""
         scene, camera = self.scene, self.camera.data
-        _set_engine(stack, scene, probe)
+        self._renderer.use(_settings(probe))
         for name in probe.hidden:
             override(stack, bpy.data.objects[name], "hide_render", True)
         if probe.engine is Engine.EEVEE and not compat.EEVEE_DRAWS_LAMPS:
             lamps.add_stand_ins(stack, scene, Vector(probe.capture_point), probe.clip_end)
-        size = probe.resolution + 2 * OVERSCAN
-        override(stack, scene.render, "resolution_x", size)
-        override(stack, scene.render, "resolution_y", size)
         camera.sensor_fit = "HORIZONTAL"
         camera.sensor_width = _SENSOR
-        camera.lens = 0.5 * _SENSOR * probe.resolution / size  # the inner pixels span exactly 90°
+        camera.lens = 0.5 * _SENSOR * probe.resolution / _size(probe)  # the inner pixels span exactly 90°
         camera.clip_start, camera.clip_end = probe.clip_start, probe.clip_end
 
     def face(self, probe: ProbeSpec, index: int) -> np.ndarray:
@@ -58,43 +55,41 @@ class Stage:
 
         Raises:
             Cancelled: the user stopped the render.
-        BakeError: the render gave no picture.
+            BakeError: the render gave no picture, or one of another size.
         """
         rotation = Matrix(FACES[index].rotation.tolist()).to_4x4()
         self.camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
-        result = bpy.ops.render.render(scene=self.scene.name, layer=self.view_layer.name)
-        if "FINISHED" not in result:
-            raise Cancelled(f"probe '{probe.name}': rendering face {FACES[index].name} was stopped")
-        image = _render_result()
-        path = self._folder / "face.exr"
-        image.save_render(str(path), scene=self.scene)
-        picture = pictures.read_file(path)
-        size = probe.resolution + 2 * OVERSCAN
+        what = f"probe '{probe.name}': face {FACES[index].name}"
+        picture, size = self._renderer.picture(what).pixels, _size(probe)
         if picture.shape[:2] != (size, size):
             raise BakeError(
-                f"probe '{probe.name}': face {FACES[index].name} came out {picture.shape[1]}×{picture.shape[0]} "
-                f"pixels instead of {size}×{size}; another add-on may change render settings"
+                f"{what} came out {picture.shape[1]}×{picture.shape[0]} pixels instead of {size}×{size}; another "
+                "add-on may change render settings"
             )
         return picture
 
     def glimpse(self, probe: ProbeSpec, index: int) -> np.ndarray:
         """A face by Cycles of one sample for each pixel, without the denoiser that would hide its faults."""
-        with ExitStack() as stack:
-            override(stack, self.scene.cycles, "samples", 1)
-            override(stack, self.scene.cycles, "use_denoising", False)
+        self._renderer.use(replace(_settings(probe), samples=1, denoise=False))
+        try:
             return self.face(probe, index)
+        finally:
+            self._renderer.use(_settings(probe))
 
 
-def _render_result() -> bpy.types.Image | None:
-    """The image that renders appear in, whatever the user has called it; None before the first render."""
-    return next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
+def _size(probe: ProbeSpec) -> int:
+    """Pixels along a rendered face."""
+    return probe.resolution + 2 * OVERSCAN
+
+
+def _settings(probe: ProbeSpec) -> RenderSettings:
+    return RenderSettings(probe.engine, probe.samples, probe.denoise, _size(probe), _size(probe))
 
 
 def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
     """No post-processing, no borders, no motion blur: the plain radiance of the scene."""
     render = scene.render
     for name, value in (
-        ("resolution_percentage", 100),
         ("pixel_aspect_x", 1.0),
         ("pixel_aspect_y", 1.0),
         ("use_border", False),
@@ -110,21 +105,13 @@ def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
         ("dither_intensity", 0.0),
     ):
         override(stack, render, name, value)
-    results = _render_result()
-    if results is not None and len(results.render_slots) > 1:  # keep the picture that the user is looking at
-        override(stack, results.render_slots, "active_index", len(results.render_slots) - 1)
 
 
-def _set_engine(stack: ExitStack, scene: bpy.types.Scene, probe: ProbeSpec) -> None:
-    override(stack, scene.render, "engine", compat.engine_id(probe.engine))
-    if probe.engine is Engine.EEVEE:
-        override(stack, scene.eevee, "taa_render_samples", probe.samples)
-        override(stack, scene.eevee, "use_overscan", False)
-        return
+def _set_engines(stack: ExitStack, scene: bpy.types.Scene) -> None:
+    """What either engine would add to or take from the radiance."""
+    override(stack, scene.eevee, "use_overscan", False)
     for name, value in (
-        ("samples", probe.samples),
         ("time_limit", 0.0),
-        ("use_denoising", probe.denoise),
         ("use_adaptive_sampling", False),
         ("film_exposure", 1.0),
         ("pixel_filter_type", "BOX"),

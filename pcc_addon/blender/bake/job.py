@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bpy
@@ -72,6 +72,22 @@ class _Task:
     def steps(self) -> int:
         """Six faces, assembling, each level but the sharpest, storing."""
         return len(FACES) + 1 + len(self.roughnesses)
+
+
+@dataclass
+class _Capture:
+    """The faces of one probe that wait to be stored, what was wrong in them, and the seconds spent on it."""
+
+    task: _Task
+    faces: list[np.ndarray] = field(default_factory=list)
+    replaced: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+    failed: bool = False
+
+
+# Storing a bake makes data blocks, after which a renderer reads the whole scene anew: that grows with the scene. So
+# captures are stored together, but early enough that a cancelled bake loses little and memory stays small.
+_HELD_BYTES, _HELD_SECONDS = 2**28, 20.0
 
 
 class BakeJob:
@@ -150,25 +166,46 @@ class BakeJob:
             for probe, spec in ready
         ]
         total = sum(task.steps for task in tasks)
-        done = 0
         yield
         # Once all is as it was: what a bake changes in its probes' groups may call for other twins.
         self._stack.callback(handlers.bring_all_up_to_date, self._scene)
         self._stack.enter_context(handlers.paused())
         stage = Stage(self._stack, self._scene, self._view_layer)
         _show_diffuse_only(self._stack, plan)
+        done, waiting, begin = 0, [], time.perf_counter()
         for task in tasks:
-            target = done + task.steps
-            try:
-                for message in self._bake(stage, task):
+            waiting.append(_Capture(task))
+            for message in self._tried(waiting[-1], self._render(stage, waiting[-1])):
+                done += 1
+                self.progress, self.message = done / total, message
+                yield
+            held = sum(face.nbytes for capture in waiting for face in capture.faces)
+            if task is not tasks[-1] and held < _HELD_BYTES and time.perf_counter() - begin < _HELD_SECONDS:
+                continue
+            for capture in waiting:
+                for message in self._tried(capture, self._store(capture)):
                     done += 1
-                    self.progress, self.message = done / total, f"{task.spec.name}: {message}"
+                    self.progress, self.message = done / total, message
                     yield
-            except Cancelled:
-                raise
-            except PccError as error:
-                self.results.append(BakedProbe(task.spec.name, str(error)))
-            done = target
+            waiting, begin = [], time.perf_counter()
+
+    def _tried(self, capture: _Capture, work: Iterator[str]) -> Iterator[str]:
+        """What a piece of work on a probe does; an error that is expected becomes the probe's result."""
+        if capture.failed:
+            return
+        begin = time.perf_counter()
+        try:
+            for message in work:
+                capture.seconds += time.perf_counter() - begin
+                yield f"{capture.task.spec.name}: {message}"
+                begin = time.perf_counter()
+        except Cancelled:
+            raise
+        except PccError as error:
+            capture.failed = True
+            capture.faces.clear()
+            self.results.append(BakedProbe(capture.task.spec.name, str(error)))
+        capture.seconds += time.perf_counter() - begin
 
     def _read_probes(self) -> list[tuple[bpy.types.Object, ProbeSpec]]:
         """The sound ones among the probes to bake, with their records; faults become results."""
@@ -182,24 +219,26 @@ class BakeJob:
                 self.results.append(BakedProbe(probe.name, str(error)))
         return ready
 
-    def _bake(self, stage: Stage, task: _Task) -> Iterator[str]:
-        """Render, assemble, blur and store one probe; yields what comes next."""
-        probe, spec = task.probe, task.spec
-        start = time.perf_counter()
-        faces: list[np.ndarray] = []
-        replaced: list[str] = []
+    def _render(self, stage: Stage, capture: _Capture) -> Iterator[str]:
+        """Render the faces of one probe; yields what comes next."""
+        spec = capture.task.spec
         with ExitStack() as stack:
             stage.aim(stack, spec)
             for index, face in enumerate(FACES):
                 yield f"face {face.name}"
                 picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
-                faces.append(picture)
+                capture.faces.append(picture)
                 if bad is None and spec.engine is Engine.CYCLES and spec.denoise:
                     _, bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)
                     bad = bad and replace(bad, glimpsed=True)
-                replaced += [str(bad)] if bad else []
+                capture.replaced += [str(bad)] if bad else []
+
+    def _store(self, capture: _Capture) -> Iterator[str]:
+        """Assemble, blur and store the faces of one probe; yields what comes next."""
+        task, replaced = capture.task, capture.replaced
+        probe, spec = task.probe, task.spec
         yield "assembling"
-        pictures = {0.0: equirect.from_faces(faces, OVERSCAN)}
+        pictures = {0.0: equirect.from_faces(capture.faces, OVERSCAN)}
         black = is_nearly_black(pictures[0.0])
         warnings = (black_capture(spec, self._scene, self._view_layer),) if black else ()
         for roughness in task.roughnesses:
@@ -207,7 +246,7 @@ class BakeJob:
                 yield f"roughness {roughness:.3g}"
                 pictures[roughness] = prefilter(pictures[0.0], roughness)
         yield "storing"
-        seconds = time.perf_counter() - start
+        seconds = capture.seconds
         record = Sidecar.of_bake(
             spec,
             ensure_uid(probe),
@@ -222,6 +261,7 @@ class BakeJob:
         images = [level.image for level in probe.pcc_probe.levels]
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced), warnings))
+        capture.faces.clear()
 
 
 def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:

@@ -53,6 +53,7 @@ def store(
     stem = sidecar.file_stem(probe.name, record.uid)
     described = tuple(_described(stem, k, r, levels[r]) for k, r in enumerate(sorted(levels)))
     with ExitStack() as stack:
+        stack.enter_context(pictures.desk())
         parts = _folder_for_parts(stack, folder)
         for level in described:
             pictures.write_file(parts / level.file, levels[level.roughness])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import bpy
@@ -11,6 +12,61 @@ import numpy as np
 from ...core.errors import BakeError
 from .. import compat
 from ..overrides import temporary
+
+
+class _Desk:
+    """The data blocks that files are read and written through."""
+
+    def __init__(self, stack: ExitStack) -> None:
+        self._stack = stack
+        self._blank: dict[tuple[int, int], bpy.types.Image] = {}
+        self._reader: bpy.types.Image | None = None
+        self._scene: bpy.types.Scene | None = None
+
+    def read(self, path: Path) -> bpy.types.Image:
+        """The image of a file, until the next one is read."""
+        if self._reader is None:
+            self._reader = temporary(self._stack, bpy.data.images, bpy.data.images.load(str(path)))
+            self._reader.colorspace_settings.name = "Non-Color"
+        else:
+            self._reader.filepath = str(path)
+        self._reader.reload()
+        return self._reader
+
+    def blank(self, width: int, height: int) -> bpy.types.Image:
+        """An image to fill, until the next one of that size is wanted."""
+        if (width, height) not in self._blank:
+            image = bpy.data.images.new("pcc", width, height, float_buffer=True, is_data=True)
+            self._blank[width, height] = temporary(self._stack, bpy.data.images, image)
+        return self._blank[width, height]
+
+    def scene(self) -> bpy.types.Scene:
+        """A scene that writes float EXR files."""
+        if self._scene is None:
+            self._scene = temporary(self._stack, bpy.data.scenes, bpy.data.scenes.new("pcc"))
+            compat.set_float_exr(self._scene.render.image_settings)
+        return self._scene
+
+
+_desk: _Desk | None = None
+
+
+@contextmanager
+def desk() -> Iterator[_Desk]:
+    """Read and write all files meanwhile through the same data blocks.
+
+    Each data block that comes or goes makes renderers read the scene anew, and takes longer the more there are.
+    """
+    global _desk
+    if _desk is not None:
+        yield _desk
+        return
+    with ExitStack() as stack:
+        _desk = _Desk(stack)
+        try:
+            yield _desk
+        finally:
+            _desk = None
 
 
 def read_pixels(image: bpy.types.Image) -> np.ndarray:
@@ -42,10 +98,8 @@ def check_pixels(probe: str, image: bpy.types.Image | None) -> int:
 
 def read_file(path: Path) -> np.ndarray:
     """The pixels of an EXR file, as `read_pixels` gives them."""
-    with ExitStack() as stack:
-        image = temporary(stack, bpy.data.images, bpy.data.images.load(str(path)))
-        image.colorspace_settings.name = "Non-Color"
-        return read_pixels(image)
+    with desk() as at:
+        return read_pixels(at.read(path))
 
 
 def write_file(path: Path, picture: np.ndarray) -> None:
@@ -57,15 +111,11 @@ def write_file(path: Path, picture: np.ndarray) -> None:
     height, width = picture.shape[:2]
     pixels = np.ones((height, width, 4), np.float32)
     pixels[..., :3] = picture
-    with ExitStack() as stack:
-        image = temporary(
-            stack, bpy.data.images, bpy.data.images.new("pcc", width, height, float_buffer=True, is_data=True)
-        )
+    with desk() as at:
+        image = at.blank(width, height)
         image.pixels.foreach_set(pixels.ravel())
-        scene = temporary(stack, bpy.data.scenes, bpy.data.scenes.new("pcc"))
-        compat.set_float_exr(scene.render.image_settings)
         try:
-            image.save_render(str(path), scene=scene)
+            image.save_render(str(path), scene=at.scene())
         except RuntimeError as error:
             raise BakeError(_cannot_write(path, error)) from error
     if not is_whole(path, width, height):
@@ -81,8 +131,8 @@ def is_whole(path: Path, width: int, height: int) -> bool:
     """Whether an EXR file can be read back; a full disk may leave a torn one without an error."""
     if not path.is_file() or not path.stat().st_size:
         return False
-    with ExitStack() as stack:
-        image = temporary(stack, bpy.data.images, bpy.data.images.load(str(path)))
+    with desk() as at:
+        image = at.read(path)
         return tuple(image.size) == (width, height) and len(image.pixels) == width * height * 4
 
 

@@ -1,0 +1,136 @@
+"""The one door to a render: a picture as numbers, and everything as it was before."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core.errors import BakeError, Cancelled
+from ..core.probe import Engine
+from ..core.workplace import WORKPLACE, temporary_folder
+from . import compat
+from .overrides import override
+from .store import pictures
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """What a render needs; None: as the scene has it.
+
+    Attributes:
+        engine: the render engine.
+        samples: for each pixel, in either engine.
+        denoise: whether Cycles removes noise.
+        width, height: of the picture in pixels; with one of them the scene's percentage of its size is 100.
+    """
+
+    engine: Engine | None = None
+    samples: int | None = None
+    denoise: bool | None = None
+    width: int | None = None
+    height: int | None = None
+
+
+AS_IS = RenderSettings()
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A rendered picture (h, w, 3) float32, scene-linear, row 0 at the bottom; and the seconds it took."""
+
+    pixels: np.ndarray
+    seconds: float
+
+
+class Renderer:
+    """Renders a scene again and again; close its stack to have the settings and the picture on show back.
+
+    Between two pictures no data block comes or goes: after that a renderer would read the whole scene anew, which
+    takes longer the larger the scene is. For the same reason settings stay until other ones are asked for.
+    """
+
+    def __init__(self, stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer | None = None) -> None:
+        """View layer: the only one to render; None: those that the scene renders."""
+        self._stack, self._scene, self._view_layer = stack, scene, view_layer
+        self._folder = stack.enter_context(temporary_folder(WORKPLACE))
+        stack.enter_context(pictures.desk())
+        stack.callback(compat.set_float_exr(scene.render.image_settings))
+        results = _render_result()
+        if results is not None and len(results.render_slots) > 1:  # keep the picture that the user is looking at
+            override(stack, results.render_slots, "active_index", len(results.render_slots) - 1)
+
+    def use(self, settings: RenderSettings) -> None:
+        """Render like this from now on."""
+        scene, render = self._scene, self._scene.render
+        changes = [(render, "resolution_x", settings.width), (render, "resolution_y", settings.height)]
+        if settings.width is not None or settings.height is not None:
+            changes.append((render, "resolution_percentage", 100))
+        if settings.engine is not None:
+            changes.append((render, "engine", compat.engine_id(settings.engine)))
+        changes += [(scene.cycles, "samples", settings.samples), (scene.eevee, "taa_render_samples", settings.samples)]
+        changes.append((scene.cycles, "use_denoising", settings.denoise))
+        for owner, name, value in changes:
+            if value is not None:
+                override(self._stack, owner, name, value)
+
+    def picture(self, what: str, shown: Path | None = None) -> Frame:
+        """Render once.
+
+        Args:
+            what: what is rendered, for errors.
+            shown: a PNG to write the picture to as well, with the scene's view transform.
+
+        Raises:
+            Cancelled: the user stopped the render.
+            BakeError: there is nothing to render with, or the render gave no picture.
+        """
+        layer = {} if self._view_layer is None else {"layer": self._view_layer.name}
+        begin = time.perf_counter()
+        try:
+            result = bpy.ops.render.render(scene=self._scene.name, **layer)
+        except RuntimeError as error:  # no camera, no view layer, an engine that gave up
+            raise BakeError(f"{what} cannot be rendered ({str(error).strip()})") from error
+        seconds = time.perf_counter() - begin
+        if "FINISHED" not in result:
+            raise Cancelled(f"{what}: the render was stopped")
+        image = _render_result()
+        path = self._folder / "picture.exr"
+        if image is not None:
+            image.save_render(str(path), scene=self._scene)
+        if image is None or not path.is_file():
+            raise BakeError(f"{what} was rendered without a picture; another add-on may have removed it")
+        if shown is not None:
+            self._save_shown(image, shown)
+        pixels = pictures.read_file(path)
+        path.unlink()
+        return Frame(pixels, seconds)
+
+    def _save_shown(self, image: bpy.types.Image, path: Path) -> None:
+        settings = self._scene.render.image_settings
+        with ExitStack() as stack:
+            stack.callback(compat.set_float_exr(settings))
+            settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
+            image.save_render(str(path), scene=self._scene)
+
+
+def render(
+    scene: bpy.types.Scene,
+    settings: RenderSettings = AS_IS,
+    view_layer: bpy.types.ViewLayer | None = None,
+    shown: Path | None = None,
+) -> Frame:
+    """Render a scene's camera once; arguments and errors as in `Renderer`."""
+    with ExitStack() as stack:
+        renderer = Renderer(stack, scene, view_layer)
+        renderer.use(settings)
+        return renderer.picture(f"scene '{scene.name}'", shown)
+
+
+def _render_result() -> bpy.types.Image | None:
+    """The image that renders appear in, whatever the user has called it; None before the first render."""
+    return next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
