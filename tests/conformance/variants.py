@@ -83,9 +83,9 @@ def _centre_last(correction: Correction) -> Expr:
 
 
 def _articles(correction: Correction) -> Expr:
-    """S2 as printed: o = M·P, d = M₃·R in the unit box, t = min of max((−1 − o)/d, (1 − o)/d), hit = P + tR."""
+    """As printed: o = M·P, d = M₃·R in the unit box, t = min of max((−1 − o)/d, (1 − o)/d), hit = P + tR."""
     ray = _back() * -1.0
-    if correction is Correction.ALIGNED_BOX:  # S7: corners of the box in world space
+    if correction is Correction.ALIGNED_BOX:  # the form for boxes along the axes
         low, high = formula.CENTRE - formula.HALF_WIDTHS, formula.CENTRE + formula.HALF_WIDTHS
         planes = [(corner - formula.POSITION) / ray for corner in (low, high)]
     else:

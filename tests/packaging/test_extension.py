@@ -39,6 +39,16 @@ def test_manifest_asks_for_what_the_issue_names() -> None:
     assert set(manifest["permissions"]) == {"files"}
 
 
+def test_the_changelog_begins_with_the_version_of_the_manifest() -> None:
+    version = tomllib.loads((ROOT / "blender_manifest.toml").read_text())["version"]
+    sections = [
+        line.split()[1]
+        for line in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
+        if line[:3] == "## "
+    ]
+    assert sections[0] == version and len(set(sections)) == len(sections) > 1
+
+
 def test_installed_zip_bakes_a_probe_and_leaves_nothing_when_disabled(archive: Path, tmp_path: Path) -> None:
     script = Path(__file__).with_name("install_and_bake.py")
     command = [sys.executable, str(script), str(archive), str(tmp_path / "user")]

@@ -36,8 +36,8 @@ _SCALE = 2.0**60
 
 def driven_vector(
     tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, name: str, place: tuple[float, float]
-) -> bpy.types.NodeSocket:
-    """The output of new nodes at `place` that is one of `DRIVEN` for a probe, wherever that goes."""
+) -> tuple[bpy.types.NodeSocket, tuple[bpy.types.Node, ...]]:
+    """The output that is one of `DRIVEN` for a probe, wherever that goes; and the new nodes at `place` that make it."""
     node, unscale = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("ShaderNodeVectorMath")
     node.name = node.label = name
     node.location, unscale.location = place, (place[0] + 200.0, place[1])
@@ -53,7 +53,7 @@ def driven_vector(
     unscale.operation = "SCALE"
     unscale.inputs["Scale"].default_value = 1.0 / _SCALE
     tree.links.new(node.outputs[0], unscale.inputs["Vector"])
-    return unscale.outputs["Vector"]
+    return unscale.outputs["Vector"], (node, unscale)
 
 
 def driven_object(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:

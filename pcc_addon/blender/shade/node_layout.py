@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-_COLUMN, _GAP, _LANE = 200.0, 30.0, 90.0
+_COLUMN_GAP, _GAP, _LANE = 60.0, 30.0, 90.0
 _HEIGHTS = {
     "ShaderNodeMath": 150.0,
     "ShaderNodeVectorMath": 150.0,
@@ -29,6 +29,7 @@ class NodeLayout:
 
     def arrange(self) -> None:
         """Give every node its place, and every section its frame."""
+        starts = self._columns()
         top = 0.0
         for section, columns in self._lanes.items():
             lowest = top
@@ -36,11 +37,24 @@ class NodeLayout:
             for depth, nodes in columns.items():
                 y = top
                 for node in nodes:
-                    node.location = (_COLUMN * depth, y)
+                    node.location = (starts[depth], y)
                     node.parent = frame
                     y -= height(node) + _GAP
                 lowest = min(lowest, y)
             top = lowest - _LANE
+
+    def _columns(self) -> dict[int, float]:
+        """Where each column begins: wide enough for its widest node."""
+        widths: dict[int, float] = {}
+        for lane in self._lanes.values():
+            for depth, nodes in lane.items():
+                widths[depth] = max([widths.get(depth, 0.0), *(node.width for node in nodes)])
+        x = -(widths.get(-1, 0.0) + _COLUMN_GAP)
+        starts = {}
+        for depth in sorted(widths):
+            starts[depth] = x
+            x += widths[depth] + _COLUMN_GAP
+        return starts
 
     def _frame(self, section: str) -> bpy.types.Node:
         frame = self._tree.nodes.new("NodeFrame")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import bpy
@@ -142,22 +142,24 @@ def _group_of(probe: bpy.types.Object) -> bpy.types.ShaderNodeTree:
 
 def _given(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> dict[str, Callable[[], bpy.types.NodeSocket]]:
     """What feeds the formula's inputs that every surface has, and those that follow the probe."""
-    column = iter(range(len(DRIVEN)))
+    rows = iter(range(len(DRIVEN)))
     made: list[bpy.types.Node] = []
+    frames: list[bpy.types.Node] = []
 
     def geometry(output: str) -> bpy.types.NodeSocket:
         if not made:
             made.append(tree.nodes.new("ShaderNodeNewGeometry"))
-            made[0].location = (-260.0, 300.0)
+            made[0].location = (-260.0, 340.0)
         return made[0].outputs[output]
 
+    def driven(name: str) -> bpy.types.NodeSocket:
+        if not frames:
+            frames.append(tree.nodes.new("NodeFrame"))
+            frames[0].name = frames[0].label = "Follows the probe"
+        socket, nodes = driven_vector(tree, probe, name, (-720.0, -160.0 * next(rows)))
+        for node in nodes:
+            node.parent = frames[0]
+        return socket
+
     given = {name: partial(geometry, name) for name in ("Position", "Incoming")}
-    for name in DRIVEN:
-        given[name] = partial(_driven, tree, probe, name, column)
-    return given
-
-
-def _driven(
-    tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, name: str, rows: Iterator[int]
-) -> bpy.types.NodeSocket:
-    return driven_vector(tree, probe, name, (-460.0, -160.0 * next(rows)))
+    return {**given, **{name: partial(driven, name) for name in DRIVEN}}

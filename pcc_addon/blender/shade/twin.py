@@ -27,7 +27,7 @@ def add_twins(material: bpy.types.Material, order: TwinOrder) -> None:
     before = tuple(marks.OriginalOutput(o.name, own.index(o), o.target, o.is_active_output) for o in originals)
     for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=False):
         builder = TwinBuilder(tree, Scope(tree), order, material.name)
-        twin = builder.new("ShaderNodeOutputMaterial", original)
+        twin = builder.new("ShaderNodeOutputMaterial", original, right=1000.0)
         marks.tag(twin, _OUTPUT)
         twin.name = f"PCC {original.name}"
         twin.label = "Parallax Probe"

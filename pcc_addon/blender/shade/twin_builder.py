@@ -31,6 +31,7 @@ class TwinBuilder:
         self.tree, self.scope, self.order, self.material = tree, scope, order, material
         self._twins: dict[tuple[int, str], bpy.types.NodeSocket] = {}
         self._geometry: bpy.types.Node | None = None
+        self._frame: bpy.types.Node | None = None
 
     def new(self, kind: str, beside: bpy.types.Node, right: float = 0.0, down: float = 0.0) -> bpy.types.Node:
         """A node of ours, drawn below `beside`."""
@@ -39,7 +40,17 @@ class TwinBuilder:
         marks.tag(node, "twin")
         place = beside.location_absolute if hasattr(beside, "location_absolute") else beside.location
         node.location = (place.x + right, place.y + _DROP - down)
+        node.parent = self._framed()
         return node
+
+    def _framed(self) -> bpy.types.Node:
+        """The frame around all that is ours in the tree."""
+        if self._frame is None:
+            self._frame = self.tree.nodes.new("NodeFrame")
+            self._frame.select = False
+            self._frame.name = self._frame.label = "PCC Parallax Probes"
+            marks.tag(self._frame, "frame")
+        return self._frame
 
     def keep_probes(self, beside: bpy.types.Node) -> None:
         """Remember the probes where no surface can show them at present."""
@@ -123,12 +134,12 @@ class TwinBuilder:
             return base or self._nothing(node)
         if plan.layered:
             reflection, coverage = self._reflections(node, plan, lit, self._under_layers)
-            seen = self._mix(node, 480.0, 0, 1.0, base, reflection)
+            seen = self._mix(node, 680.0, 0, 1.0, base, reflection)
             marks.tag(seen.node, GLOW)
         else:
             seen, coverage = self._reflections(node, plan, lit, self._glow)
             if base is not None:
-                total = self.new("ShaderNodeAddShader", node, right=480.0)
+                total = self.new("ShaderNodeAddShader", node, right=680.0)
                 self.tree.links.new(base, total.inputs[0])
                 self.tree.links.new(seen, total.inputs[1])
                 seen = total.outputs[0]
@@ -156,7 +167,7 @@ class TwinBuilder:
 
     def _glow(self, node: bpy.types.Node, lit: bpy.types.Node, plan: SurfacePlan, row: int) -> bpy.types.NodeSocket:
         """The shader of a reflection with nothing over it."""
-        glow = self.new("ShaderNodeEmission", node, right=20.0, down=_ROW * row + 160.0)
+        glow = self.new("ShaderNodeEmission", node, right=280.0, down=_ROW * row)
         marks.tag(glow, GLOW)
         self.tree.links.new(lit.outputs["Reflection"], glow.inputs["Color"])
         if "Alpha" in node.inputs:
@@ -168,7 +179,7 @@ class TwinBuilder:
     ) -> bpy.types.NodeSocket:
         """The shader of a whole surface that emits the reflection: coat and sheen dim it as they dim its own light."""
         whole = self._base(node, lit, plan, layers=True)
-        add = self.new("ShaderNodeVectorMath", node, right=-20.0, down=_ROW * row + 160.0)
+        add = self.new("ShaderNodeVectorMath", node, right=-240.0, down=_ROW * row + 200.0)
         add.operation = "MULTIPLY_ADD"
         self._feed(node.inputs["Emission Color"], add.inputs[0])
         self._feed(node.inputs["Emission Strength"], add.inputs[1])
@@ -207,10 +218,10 @@ class TwinBuilder:
         A path from a diffuse wall that finds a lamp's picture by chance is a firefly; with the original it is the
         caustic that the renderer filters and clamps as ever. Walls then are lit as without the probe.
         """
-        path = self.new("ShaderNodeLightPath", node, right=480.0, down=200.0)
+        path = self.new("ShaderNodeLightPath", node, right=680.0, down=200.0)
         share = path.outputs["Is Diffuse Ray"]
         if coverage is not None or plan.handed_over is not None:
-            own = self._call(choice.own_share(plan.handed_over), node, 680.0, 0, {"Diffuse Ray": share})
+            own = self._call(choice.own_share(plan.handed_over), node, 880.0, 0, {"Diffuse Ray": share})
             if coverage is None:
                 own.inputs["Coverage"].default_value = 1.0
             else:
@@ -218,7 +229,7 @@ class TwinBuilder:
             if plan.handed_over is not None:
                 self._feed(node.inputs["Roughness"], own.inputs["Roughness"])
             share = own.outputs["Share"]
-        mixed = self._mix(node, 880.0, 0, share, seen, node.outputs[0])
+        mixed = self._mix(node, 1080.0, 0, share, seen, node.outputs[0])
         marks.tag(mixed.node, GLOW)
         return mixed
 
@@ -267,7 +278,7 @@ class TwinBuilder:
             step.inputs["Fade"].default_value = shown.fade
             for name in known.keys() - given.keys():  # a probe that has all of what is its share
                 step.inputs[name].default_value = 1.0
-            shader = self._mix(node, 240.0, row, step.outputs["Share"], shader, one)
+            shader = self._mix(node, 480.0, row, step.outputs["Share"], shader, one)
             coverage, distance = step.outputs["Coverage"], step.outputs["Distance"]
         return shader, coverage
 

@@ -202,7 +202,7 @@ def probe(
     corrected = effects.correction is not Correction.NONE
     outputs = {}
     for name, height in heights.items():
-        radiance = read_picture(name, height, found["Direction"])
+        radiance = Section("Pictures", read_picture(name, height, found["Direction"]))
         blackens = corrected and effects.outside is Outside.BLACK
         outputs[name] = radiance * found["Weight"] if blackens else radiance
     if corrected and effects.outside is Outside.OWN:
