@@ -29,6 +29,7 @@ class SurfacePlan:
         reasons: why, in words; all of them.
         handed_over: the roughness from which on it is left to its own lobe, where it may be so rough; else None.
         layered: whether something lies over the lobe, such as a coat.
+        bends_normals: whether its normals must be bent lest they mirror the view into the surface.
     """
 
     path: tuple[str, ...]
@@ -37,6 +38,7 @@ class SurfacePlan:
     reasons: tuple[str, ...]
     handed_over: float | None = None
     layered: bool = False
+    bends_normals: bool = False
 
     @property
     def name(self) -> str:
@@ -135,10 +137,10 @@ def make_plan(scene: SceneReading) -> Plan:
 
 def plan_surfaces(material: MaterialReading, roughness_limit: float) -> tuple[SurfacePlan, ...]:
     """What each surface of a material computes, or why it keeps its own lobe."""
-    return tuple(_plan_surface(surface, roughness_limit) for surface in material.surfaces)
+    return tuple(_plan_surface(surface, roughness_limit, material.bends_normals) for surface in material.surfaces)
 
 
-def _plan_surface(surface: SurfaceReading, limit: float) -> SurfacePlan:
+def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool) -> SurfacePlan:
     roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
     reasons = list(_refusals(surface, roughness, limit))
     effects = None if reasons or surface.kind not in KINDS else surface_effects(surface)
@@ -150,7 +152,9 @@ def _plan_surface(surface: SurfaceReading, limit: float) -> SurfacePlan:
     beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
     layers = layers_of(surface)
     reasons = [how + beyond, effects.label, *(f"its {layer} lies over that as it is" for layer in layers)]
-    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons), handed_over, bool(layers))
+    bent = bends_normals and surface.has("Normal") and surface.value("Normal") is None
+    reasons += ["its normals are bent where they would mirror the view into the surface"] * bent
+    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons), handed_over, bool(layers), bent)
 
 
 def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) -> Iterator[str]:

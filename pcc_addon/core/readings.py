@@ -68,6 +68,7 @@ class MaterialReading:
         obstacles: why the material as a whole must be left as it is, in words that follow its name; empty: nothing.
         textures: how many image textures the user's own nodes read (EEVEE has 32 samplers for a material).
         emits: whether it is a light of its own.
+        bends_normals: whether perturbed normals are bent where they would mirror the view into the surface.
         shown: names of the probe groups that it shows now.
     """
 
@@ -76,6 +77,7 @@ class MaterialReading:
     obstacles: tuple[str, ...] = ()
     textures: int = 0
     emits: bool = False
+    bends_normals: bool = True
     shown: tuple[str, ...] = ()
 
 

@@ -59,7 +59,9 @@ def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
     lines += [f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs}" for shown in order.probes]
     for path, surface in sorted(order.surfaces.items()):
         levels = [neighbours(shown.rungs, *surface.roughness) for shown in order.probes]
-        lines.append(f"{path} {surface.effects} {levels} {surface.handed_over} {surface.layered}")
+        lines.append(
+            f"{path} {surface.effects} {levels} {surface.handed_over} {surface.layered} {surface.bends_normals}"
+        )
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import bpy
 
 from ...core.effects import choice
+from ...core.effects.normal import VALID_NORMAL
 from ...core.effects.roughness import level_name, mixed_formula, neighbours
 from ...core.expression import Formula
 from ...core.plan import SurfacePlan
@@ -31,6 +32,7 @@ class TwinBuilder:
         self.tree, self.scope, self.order, self.material = tree, scope, order, material
         self._twins: dict[tuple[int, str], bpy.types.NodeSocket] = {}
         self._geometry: bpy.types.Node | None = None
+        self._normals: dict[str, bpy.types.NodeSocket] = {}
         self._frame: bpy.types.Node | None = None
 
     def new(self, kind: str, beside: bpy.types.Node, right: float = 0.0, down: float = 0.0) -> bpy.types.Node:
@@ -312,12 +314,28 @@ class TwinBuilder:
         return call
 
     def _normal(self, node: bpy.types.Node) -> bpy.types.NodeSocket:
-        feeding = source(node.inputs["Normal"]) if is_given(node.inputs["Normal"], self.scope) else None
-        return feeding or self._geometry_of(node).outputs["Normal"]
+        """The normal that a surface mirrors by."""
+        if node.name not in self._normals:
+            self._normals[node.name] = self._made_normal(node)
+        return self._normals[node.name]
+
+    def _made_normal(self, node: bpy.types.Node) -> bpy.types.NodeSocket:
+        geometry = self._geometry_of(node)
+        if not is_given(node.inputs["Normal"], self.scope):
+            return geometry.outputs["Normal"]
+        feeding = source(node.inputs["Normal"])
+        if not self.order.surfaces[self.scope.path(node)].bends_normals:
+            return feeding
+        known = {
+            "Normal": feeding,
+            "True Normal": geometry.outputs["True Normal"],
+            "Incoming": geometry.outputs["Incoming"],
+        }
+        return self._call(VALID_NORMAL, node, -1240.0, 0, known).outputs["Normal"]
 
     def _geometry_of(self, node: bpy.types.Node) -> bpy.types.Node:
         if self._geometry is None:
-            self._geometry = self.new("ShaderNodeNewGeometry", node, right=-1000.0)
+            self._geometry = self.new("ShaderNodeNewGeometry", node, right=-1480.0)
         return self._geometry
 
 
