@@ -197,6 +197,15 @@ def test_a_tint_is_computed_where_it_is_not_white(inputs: dict, expected: Dielec
     assert plan.effects is not None and plan.effects.effects == (expected,)
 
 
+def test_a_surfaces_inputs_are_read_by_name() -> None:
+    wood = surface(Base_Color=(0.1, 0.2, 0.3, 1.0), Metallic=None)
+    assert wood.color("Base Color") == (0.1, 0.2, 0.3) and wood.color("Metallic") is None
+    assert wood.scalar("Base Color") is None and wood.scalar("Metallic") is None and wood.scalar("IOR") == 1.5
+    assert wood.has("Metallic") and not wood.has("Nothing")
+    with pytest.raises(KeyError, match="Nothing"):
+        wood.value("Nothing")
+
+
 # Materials
 
 

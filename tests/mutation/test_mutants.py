@@ -71,7 +71,10 @@ def test_a_sample_is_spread_over_the_kinds_and_the_same_for_the_same_seed() -> N
 
 
 def test_every_module_and_test_file_that_is_named_exists() -> None:
-    named = [*(PACKAGE / module for module in SUITES), *(PACKAGE.parent / f for files in SUITES.values() for f in files)]
+    named = [
+        *(PACKAGE / module for module in SUITES),
+        *(PACKAGE.parent / f for files in SUITES.values() for f in files),
+    ]
     assert [path for path in named if not path.exists()] == []
 
 
