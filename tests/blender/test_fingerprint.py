@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import bpy
 import pytest
@@ -222,3 +223,17 @@ def test_lines_without_values_leave_out_those_of_the_tree_itself_and_not_of_grou
     CHANGES["a value inside a group"]()
     assert lines() != before
     assert node_lines(None) == []
+
+
+def test_a_group_has_its_lines_once_however_often_it_is_used(scene) -> None:
+    """Each of twenty groups uses the next one twice; read at every use they would be a million."""
+    groups = [bpy.data.node_groups.new(f"Depth {k}", "ShaderNodeTree") for k in range(20)]
+    for outer, inner in pairwise(groups):
+        for _ in range(2):
+            outer.nodes.new("ShaderNodeGroup").node_tree = inner
+    groups[-1].nodes.new("ShaderNodeValue").name = "The innermost"
+    material = shiny()
+    for _ in range(2):
+        new(material, "ShaderNodeGroup").node_tree = groups[0]
+    lines = node_lines(material.node_tree)
+    assert len([line for line in lines if line.startswith("node ") and "The innermost" in line]) == 1
