@@ -33,6 +33,7 @@ def item(scene) -> bpy.types.Object:
     mix = inner.nodes.new("ShaderNodeBrightContrast")
     inner.links.new(rgb.outputs[0], mix.inputs["Color"])
     inner.links.new(mix.outputs[0], sink.inputs[0])
+    new(material, "ShaderNodeValToRGB"), new(material, "ShaderNodeRGBCurve")
     group, texture = new(material, "ShaderNodeGroup"), image_texture(material)
     group.node_tree = inner
     link(material, group.outputs[0], principled_node(material).inputs["Base Color"])
@@ -119,6 +120,17 @@ CHANGES: dict[str, Callable[[], None]] = {
     "a node muted": lambda: setattr(tree().nodes["Image Texture"], "mute", True),
     "a node's setting": lambda: setattr(tree().nodes["Image Texture"], "interpolation", "Closest"),
     "a node's picture": lambda: setattr(tree().nodes["Image Texture"], "image", bpy.data.images.new("Other", 4, 4)),
+    "a colour": lambda: setattr(
+        principled_node(bpy.data.materials["Shiny"]).inputs["Specular Tint"], "default_value", (1.0, 0.5, 1.0, 1.0)
+    ),
+    "a colour ramp's stop": lambda: setattr(tree().nodes["Color Ramp"].color_ramp.elements[0], "position", 0.25),
+    "a colour ramp's colour": lambda: setattr(
+        tree().nodes["Color Ramp"].color_ramp.elements[1], "color", (1.0, 0.0, 0.0, 1.0)
+    ),
+    "a colour ramp's new stop": lambda: tree().nodes["Color Ramp"].color_ramp.elements.new(0.5),
+    "a curve's point": lambda: setattr(
+        tree().nodes["RGB Curves"].mapping.curves[3].points[0], "location", (0.0, 0.25)
+    ),
     "a value inside a group": lambda: setattr(
         next(n for n in bpy.data.node_groups["Inner"].nodes if n.bl_idname == "ShaderNodeBrightContrast").inputs[1],
         "default_value", 0.5,
@@ -167,6 +179,11 @@ NO_CHANGES: dict[str, Callable[[], None]] = {
     "an empty": nothing_shown,
     "an object that is not rendered": hidden_object,
     "a node moved": lambda: setattr(tree().nodes["Image Texture"], "location", (500.0, 100.0)),
+    "a curve's point selected": lambda: setattr(
+        tree().nodes["RGB Curves"].mapping.curves[3].points[0],
+        "select",
+        not tree().nodes["RGB Curves"].mapping.curves[3].points[0].select,
+    ),
     "a node's label": lambda: setattr(tree().nodes["Image Texture"], "label", "Mine"),
     "an output's target": lambda: setattr(output_of(bpy.data.materials["Shiny"]), "target", "CYCLES"),
     "a modifier's panel": lambda: setattr(the("Item").modifiers[0], "show_expanded", False),

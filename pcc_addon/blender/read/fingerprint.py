@@ -161,9 +161,20 @@ def _properties(struct: Any, without: Iterable[str]) -> list[str]:
     ]
 
 
+def _contents(struct: Any) -> list[str]:
+    """The properties of a colour ramp or of curves, and those of their points."""
+    lines = _properties(struct, {"select"})
+    for p in struct.bl_rna.properties:
+        if p.type == "COLLECTION":
+            lines += [line for part in getattr(struct, p.identifier) for line in _contents(part)]
+    return lines
+
+
 def _plain(value: Any) -> str:
     if isinstance(value, bpy.types.ID):
         return value.name_full
+    if isinstance(value, (bpy.types.ColorRamp, bpy.types.CurveMapping)):
+        return repr(_contents(value))
     if isinstance(value, bpy.types.bpy_struct):
         return type(value).__name__
     if hasattr(value, "__len__") and not isinstance(value, (str, set)):
