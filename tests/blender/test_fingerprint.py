@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import bpy
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from pcc_addon.blender.read.fingerprint import SceneFingerprint, node_lines
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import principled_node
+from tests.blender.helpers import save
 from tests.blender.materials import image_texture, link, new, output_of, shiny, show
 from tests.core.scenes import spec
 
@@ -216,6 +218,13 @@ def test_settings_of_the_capture_change_the_hash(item, change: dict) -> None:
 )
 def test_settings_of_the_shader_do_not(item, change: dict) -> None:
     assert fingerprint(replace(PROBE, **change)) == fingerprint()
+
+
+def test_the_hash_is_the_same_when_the_file_is_opened_again(item, tmp_path: Path) -> None:
+    before = fingerprint()
+    save(tmp_path / "saved.blend")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    assert fingerprint() == before
 
 
 def test_polygons_of_the_same_corners_are_told_apart(scene) -> None:

@@ -193,6 +193,7 @@ def test_two_probes_are_mixed_by_place_the_smaller_over_the_larger(probe) -> Non
         next(n for n in material.node_tree.nodes if marks.role(n) == "probe" and n.node_tree == p.pcc_probe.group)
         for p in (probe, small)
     )
+    assert large_node.location.y - small_node.location.y > 200.0, "drawn one below the other"
     [start], [step] = called(material, "First Probe"), called(material, "Next Probe")
     assert fed(start, "Depth") == (large_node, "Depth")
     assert fed(step, "Depth") == (small_node, "Depth") and fed(step, "Distance") == (start, "Distance")
@@ -263,6 +264,18 @@ def test_shaders_around_a_surface_are_copied_and_read_its_twin(probe) -> None:
     twice = injected(one_shader_twice())
     assert len(called(twice, "Reflectance")) == 1
     assert fed(seen(twice), 1)[0] == fed(seen(twice), 2)[0]
+
+
+def test_an_empty_slot_beside_a_surface_stays_empty(probe) -> None:
+    material = shiny()
+    add = material.node_tree.nodes.new("ShaderNodeAddShader")
+    link(material, principled_node(material).outputs[0], add.inputs[1])
+    output = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    link(material, add.outputs[0], output.inputs["Surface"])
+    injected(material)
+    copy = seen(material)
+    assert copy.bl_idname == "ShaderNodeAddShader" and copy != add
+    assert not copy.inputs[0].is_linked and fed(copy, 1)[0].bl_idname == "ShaderNodeMixShader"
 
 
 def test_a_muted_shader_stays_in_its_place(probe) -> None:

@@ -65,14 +65,6 @@ SUITES: dict[str, tuple[str, ...]] = {
     "blender/shade/twin.py": (*_TWINS, "tests/blender/test_twin_tampered.py"),
     "blender/shade/twin_builder.py": _TWINS,
     "blender/status.py": ("tests/blender/test_bake_stale.py",),
-    "blender/store/levels.py": (
-        "tests/blender/test_levels.py",
-        "tests/blender/test_bake_files.py",
-        "tests/blender/test_migration.py",
-        "tests/blender/test_bake_faults.py",
-    ),
-    "blender/store/pictures.py": (
-        "tests/blender/test_bake_pictures.py",
-        "tests/blender/test_bake_files.py",
-    ),
+    "blender/store/levels.py": ("tests/blender/test_levels.py",),
+    "blender/store/pictures.py": ("tests/blender/test_levels.py", "tests/blender/test_bake_pictures.py"),
 }
