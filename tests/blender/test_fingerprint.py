@@ -245,6 +245,8 @@ def test_lines_without_values_leave_out_those_of_the_tree_itself_and_not_of_grou
 
     before = lines()
     principled_node(bpy.data.materials["Shiny"]).inputs["Roughness"].default_value = 0.4
+    CHANGES["a colour ramp's stop"]()
+    CHANGES["a curve's point"]()
     assert lines() == before and before
     CHANGES["a value inside a group"]()
     assert lines() != before
