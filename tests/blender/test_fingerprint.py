@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
 
 import bpy
 import pytest
@@ -11,6 +13,7 @@ import pytest
 from pcc_addon.blender.read.fingerprint import SceneFingerprint, node_lines
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import principled_node
+from tests.blender.helpers import save
 from tests.blender.materials import image_texture, link, new, output_of, shiny, show
 from tests.core.scenes import spec
 
@@ -32,6 +35,7 @@ def item(scene) -> bpy.types.Object:
     mix = inner.nodes.new("ShaderNodeBrightContrast")
     inner.links.new(rgb.outputs[0], mix.inputs["Color"])
     inner.links.new(mix.outputs[0], sink.inputs[0])
+    new(material, "ShaderNodeValToRGB"), new(material, "ShaderNodeRGBCurve")
     group, texture = new(material, "ShaderNodeGroup"), image_texture(material)
     group.node_tree = inner
     link(material, group.outputs[0], principled_node(material).inputs["Base Color"])
@@ -118,6 +122,17 @@ CHANGES: dict[str, Callable[[], None]] = {
     "a node muted": lambda: setattr(tree().nodes["Image Texture"], "mute", True),
     "a node's setting": lambda: setattr(tree().nodes["Image Texture"], "interpolation", "Closest"),
     "a node's picture": lambda: setattr(tree().nodes["Image Texture"], "image", bpy.data.images.new("Other", 4, 4)),
+    "a colour": lambda: setattr(
+        principled_node(bpy.data.materials["Shiny"]).inputs["Specular Tint"], "default_value", (1.0, 0.5, 1.0, 1.0)
+    ),
+    "a colour ramp's stop": lambda: setattr(tree().nodes["Color Ramp"].color_ramp.elements[0], "position", 0.25),
+    "a colour ramp's colour": lambda: setattr(
+        tree().nodes["Color Ramp"].color_ramp.elements[1], "color", (1.0, 0.0, 0.0, 1.0)
+    ),
+    "a colour ramp's new stop": lambda: tree().nodes["Color Ramp"].color_ramp.elements.new(0.5),
+    "a curve's point": lambda: setattr(
+        tree().nodes["RGB Curves"].mapping.curves[3].points[0], "location", (0.0, 0.25)
+    ),
     "a value inside a group": lambda: setattr(
         next(n for n in bpy.data.node_groups["Inner"].nodes if n.bl_idname == "ShaderNodeBrightContrast").inputs[1],
         "default_value", 0.5,
@@ -166,6 +181,11 @@ NO_CHANGES: dict[str, Callable[[], None]] = {
     "an empty": nothing_shown,
     "an object that is not rendered": hidden_object,
     "a node moved": lambda: setattr(tree().nodes["Image Texture"], "location", (500.0, 100.0)),
+    "a curve's point selected": lambda: setattr(
+        tree().nodes["RGB Curves"].mapping.curves[3].points[0],
+        "select",
+        not tree().nodes["RGB Curves"].mapping.curves[3].points[0].select,
+    ),
     "a node's label": lambda: setattr(tree().nodes["Image Texture"], "label", "Mine"),
     "an output's target": lambda: setattr(output_of(bpy.data.materials["Shiny"]), "target", "CYCLES"),
     "a modifier's panel": lambda: setattr(the("Item").modifiers[0], "show_expanded", False),
@@ -200,6 +220,13 @@ def test_settings_of_the_shader_do_not(item, change: dict) -> None:
     assert fingerprint(replace(PROBE, **change)) == fingerprint()
 
 
+def test_the_hash_is_the_same_when_the_file_is_opened_again(item, tmp_path: Path) -> None:
+    before = fingerprint()
+    save(tmp_path / "saved.blend")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    assert fingerprint() == before
+
+
 def test_polygons_of_the_same_corners_are_told_apart(scene) -> None:
     """Seven corners as four and three, or as three and four."""
     item = show(shiny(), "Item")
@@ -218,7 +245,23 @@ def test_lines_without_values_leave_out_those_of_the_tree_itself_and_not_of_grou
 
     before = lines()
     principled_node(bpy.data.materials["Shiny"]).inputs["Roughness"].default_value = 0.4
+    CHANGES["a colour ramp's stop"]()
+    CHANGES["a curve's point"]()
     assert lines() == before and before
     CHANGES["a value inside a group"]()
     assert lines() != before
     assert node_lines(None) == []
+
+
+def test_a_group_has_its_lines_once_however_often_it_is_used(scene) -> None:
+    """Each of twenty groups uses the next one twice; read at every use they would be a million."""
+    groups = [bpy.data.node_groups.new(f"Depth {k}", "ShaderNodeTree") for k in range(20)]
+    for outer, inner in pairwise(groups):
+        for _ in range(2):
+            outer.nodes.new("ShaderNodeGroup").node_tree = inner
+    groups[-1].nodes.new("ShaderNodeValue").name = "The innermost"
+    material = shiny()
+    for _ in range(2):
+        new(material, "ShaderNodeGroup").node_tree = groups[0]
+    lines = node_lines(material.node_tree)
+    assert len([line for line in lines if line.startswith("node ") and "The innermost" in line]) == 1

@@ -70,6 +70,21 @@ def test_an_edit_inside_a_group_reaches_the_twin(probe) -> None:
     assert any("metal alone" in n.node_tree.name for n in copy.nodes if n.bl_idname == "ShaderNodeGroup")
 
 
+def test_a_colour_ramp_inside_a_group_reaches_the_twin(probe) -> None:
+    material = nested()
+    tree = bpy.data.node_groups["Inner"]
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    surface = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+    tree.links.new(ramp.outputs["Color"], surface.inputs["Base Color"])
+    show(material)
+    put_in()
+    ramp.color_ramp.elements[0].color = (1.0, 0.0, 0.0, 1.0)
+    update()
+    copy = next(t for t in bpy.data.node_groups if t.name.startswith("PCC Inner"))
+    [copied] = [n for n in copy.nodes if n.bl_idname == "ShaderNodeValToRGB"]
+    assert copied.color_ramp.elements[0].color[:] == (1.0, 0.0, 0.0, 1.0)
+
+
 def test_a_surface_that_cannot_be_served_for_a_while_shows_the_probe_again(material, probe) -> None:
     coat = principled_node(material).inputs["Transmission Weight"]
     coat.default_value = 0.5

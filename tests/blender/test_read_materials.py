@@ -6,11 +6,20 @@ import bpy
 import pytest
 
 from pcc_addon.blender.read.materials import read_material
+from pcc_addon.blender.read.nodes import Scope, constant
 from pcc_addon.core.readings import MaterialReading, SurfaceReading
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import put_in
 from tests.blender.materials import Material, glowing, image_texture, link, new, output_of, shiny, show
-from tests.blender.receivers import added, mixed, muted, nested, one_group_twice, one_shader_twice
+from tests.blender.receivers import (
+    added,
+    mixed,
+    muted,
+    nested,
+    one_group_twice,
+    one_shader_twice,
+    outputs_of_each_engine,
+)
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -86,6 +95,39 @@ def test_values_come_through_groups() -> None:
     assert len(surface.path) == 3 and surface.path[-1] == "Principled BSDF"
     assert surface.scalar("Roughness") == 0.25 and surface.color("Base Color") == pytest.approx((0.2, 0.4, 0.6))
     assert [s.scalar("Roughness") for s in read_material(one_group_twice()).surfaces] == pytest.approx([0.25, 0.55])
+
+
+def test_values_come_through_three_groups_and_out_of_the_output_in_force() -> None:
+    material = nested()
+    node = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeGroup")
+    tree = bpy.data.node_groups.new("Outermost", "ShaderNodeTree")
+    tree.interface.new_socket("Roughness", in_out="INPUT", socket_type="NodeSocketFloat")
+    tree.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    given, spare, sink = (tree.nodes.new(f"NodeGroup{kind}") for kind in ("Input", "Output", "Output"))
+    group, emission = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeEmission")
+    group.node_tree = node.node_tree
+    tree.links.new(given.outputs[0], group.inputs["Roughness"])
+    tree.links.new(emission.outputs[0], spare.inputs[0])
+    tree.links.new(group.outputs[0], sink.inputs[0])
+    sink.is_active_output = True
+    node.node_tree = tree
+    node.inputs["Roughness"].default_value = 0.375
+    link(material, node.outputs[0], output_of(material).inputs["Surface"])
+    surface = only(material)
+    assert len(surface.path) == 4 and surface.scalar("Roughness") == 0.375
+    spare.is_active_output = True
+    assert read_material(material).surfaces == ()
+
+
+def test_the_surfaces_of_both_engines_are_read() -> None:
+    reading = read_material(outputs_of_each_engine())
+    assert [surface.scalar("Metallic") for surface in reading.surfaces] == [0.0, 1.0]
+
+
+def test_an_input_that_holds_no_number_has_no_value() -> None:
+    material = shiny()
+    material.node_tree.links.clear()
+    assert constant(output_of(material).inputs["Surface"], Scope(material.node_tree)) is None
 
 
 def emission(color: tuple[float, ...], strength: float) -> Material:

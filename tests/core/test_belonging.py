@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pcc_addon.core.belonging import Belongings, belongings
+from pcc_addon.core.probe import Box, ProbeSpec
 
 from .scenes import placement, spec
 
@@ -90,8 +91,6 @@ def test_every_material_and_every_object_is_counted() -> None:
 def test_a_turned_box_has_what_is_in_it_and_not_what_is_in_its_bounds() -> None:
     turn = np.eye(4)
     turn[:2, :2] = np.array([[1.0, -1.0], [1.0, 1.0]]) * 0.5**0.5
-    from pcc_addon.core.probe import Box, ProbeSpec
-
     diamond = ProbeSpec("Diamond", Box.from_matrix("Diamond", turn @ np.diag([2.0, 2.0, 2.0, 1.0])))
     corner = placement("In the corner", "Wood", size=(0.1, 0.1, 0.1))
     moved = type(corner)("In the corner", ("Wood",), corner.corners + np.array([2.3, 2.3, 0.0]))
@@ -115,3 +114,13 @@ def test_what_lies_in_the_padding_counts_as_inside() -> None:
 def test_the_influence_of_a_small_box_fades_as_far_as_that_of_a_large_one() -> None:
     found = belongings([spec("Niche", half=0.25)], [placement("Step", "Wood", x=0.55, size=(0.1, 0.1, 0.1))])
     assert owners(found) == {"Niche"}
+
+
+def test_a_share_counts_before_nearness() -> None:
+    """A fifth lies in the small box and an edge in the large one, whose middle is nearer in half widths."""
+    matrix = np.diag([20.0, 20.0, 20.0, 1.0])
+    matrix[:2, 3] = 22.69, 20.49
+    large = ProbeSpec("Large", Box.from_matrix("Large", matrix), padding=0.01)
+    beam = placement("Beam", "Wood", x=1.8, size=(0.9, 0.5, 0.5))
+    assert owners(belongings([large], [beam])) == {"Large"}
+    assert owners(belongings([large, spec("Small", half=1.0)], [beam])) == {"Small"}

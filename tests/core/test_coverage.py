@@ -77,6 +77,8 @@ def test_a_smaller_box_fades_in_within_a_larger_one() -> None:
     assert (np.diff(shares[:, 1]) >= -1e-7).all()
     np.testing.assert_allclose(shares[depth >= 0.25, 1], 1.0, atol=1e-6)
     assert not shares[depth <= 0.0, 1].any()
+    np.testing.assert_allclose(np.interp([0.0625, 0.125], depth, shares[:, 1]), [0.15625, 0.5], atol=2e-3)
+    assert np.abs(np.diff(shares[:, 1])).max() < 0.01
 
 
 def test_diffuse_rays_meet_the_own_lobe_only() -> None:

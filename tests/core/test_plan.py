@@ -197,6 +197,44 @@ def test_a_tint_is_computed_where_it_is_not_white(inputs: dict, expected: Dielec
     assert plan.effects is not None and plan.effects.effects == (expected,)
 
 
+def test_a_surfaces_inputs_are_read_by_name() -> None:
+    wood = surface(Base_Color=(0.1, 0.2, 0.3, 1.0), Metallic=None)
+    assert wood.color("Base Color") == (0.1, 0.2, 0.3) and wood.color("Metallic") is None
+    assert wood.scalar("Base Color") is None and wood.scalar("Metallic") is None and wood.scalar("IOR") == 1.5
+    assert wood.has("Metallic") and not wood.has("Nothing")
+    with pytest.raises(KeyError, match="Nothing"):
+        wood.value("Nothing")
+
+
+def test_the_titles_of_what_surfaces_need_are_told_apart() -> None:
+    def title(**inputs: object) -> str:
+        effects = planned(surface(**inputs)).effects
+        assert effects is not None
+        return effects.label
+
+    assert title() == "IOR 1.5 F0 0.04"
+    assert title(distribution="MULTI_GGX") == "multiscatter, IOR 1.5 F0 0.04"
+    assert title(Metallic=1.0) == "metal alone" and title(Metallic=None) == "IOR 1.5 F0 0.04, metal"
+    assert title(Specular_Tint=None, Metallic=0.5) == "IOR 1.5 varying F0, tinted metal"
+    assert title(Specular_IOR_Level=1.0).startswith("IOR 1.5 as 1.78") and title(Specular_IOR_Level=1.0).endswith(
+        "0.08"
+    )
+    kinds = (
+        Glossy(),
+        TintedMetal(False),
+        TintedMetal(True),
+        Metal(),
+        Metal(True),
+        Metal(False, True),
+        Metal(True, True),
+    )
+    assert len({kind.label for kind in kinds}) == len(kinds)
+
+
+def test_multiple_scattering_alone_reflects_nothing() -> None:
+    assert planned(surface(distribution="MULTI_GGX", Specular_IOR_Level=0.0)).reasons == ("it reflects nothing",)
+
+
 # Materials
 
 

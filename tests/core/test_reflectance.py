@@ -13,7 +13,7 @@ from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects.dielectric import Dielectric
 from pcc_addon.core.effects.fresnel import f0_from_ior, fresnel_dielectric, ior_from_f0
 from pcc_addon.core.effects.glossy import Glossy
-from pcc_addon.core.effects.metal import Metal
+from pcc_addon.core.effects.metal import Metal, TintedMetal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.surface import SurfaceEffects, surface
 from pcc_addon.core.ggx import directional_averages
@@ -220,6 +220,29 @@ def test_a_glossy_surface_has_its_colour_at_every_angle(roughness: float) -> Non
     assert (often["Reflection"] >= once["Reflection"] - 1e-3).all() and (often["Reflection"] <= color + 2e-3).all()
 
 
+def glossy(roughness: float, color: float, multiscatter: bool) -> np.ndarray:
+    """(n,) what a grey Glossy BSDF reflects, from straight above to along it."""
+    cosines = np.linspace(0.0, 1.0, 401)[1:]
+    inputs = {"Radiance": np.ones(3), "Base Color": np.ones(3), "Color": np.full(3, color), "Roughness": roughness}
+    inputs["Normal"] = np.array([0.0, 0.0, 1.0])
+    inputs["Incoming"] = np.stack([np.sqrt(1.0 - cosines**2), 0.0 * cosines, cosines], -1)
+    effects = ((Multiscatter(),) if multiscatter else ()) + (Glossy(),)
+    found = evaluate(surface(SurfaceEffects(effects, leaves_base=True)), inputs, np.float64)
+    assert not found["Diffuse Color"].any(), "nothing lies under it"
+    return found["Reflection"][:, 0]
+
+
+@pytest.mark.parametrize("color", [0.2, 0.6])
+def test_what_a_glossy_surface_gets_back_was_coloured_at_each_bounce_and_by_no_curve(color: float) -> None:
+    """Each further bounce meets the colour and leaves by the mean albedo: a geometric series (Turquin 2019)."""
+    cosines = np.linspace(0.0, 1.0, 401)[1:]
+    albedo = glossy(1.0, 1.0, multiscatter=False)
+    mean = (2.0 * cosines * albedo).mean()
+    expected = color * color * mean / (1.0 - color * (1.0 - mean)) * (1.0 - albedo)
+    gain = glossy(1.0, color, multiscatter=True) - glossy(1.0, color, multiscatter=False)
+    np.testing.assert_allclose(gain[20:], expected[20:], rtol=0.02)
+
+
 def test_a_metals_tint_is_its_colour_at_82_degrees_and_nowhere_else() -> None:
     """F82: at a cosine of 1/7 the tint multiplies Schlick's curve; both ends stay."""
     base, tint = (0.9, 0.5, 0.1), (0.25, 0.5, 1.0)
@@ -227,6 +250,20 @@ def test_a_metals_tint_is_its_colour_at_82_degrees_and_nowhere_else() -> None:
     plain, _ = light(metal(0.0), cosines, base=base, metallic=1.0)
     tinted, _ = light(metal(0.0, tinted=True), cosines, base=base, metallic=1.0, tint=tint)
     np.testing.assert_allclose(tinted / plain, [WHITE, tint, WHITE], atol=1e-9)
+
+
+def test_the_metallic_bsdf_is_a_metal_that_is_tinted_by_its_edge_tint_alone() -> None:
+    base, tint = np.array([0.9, 0.5, 0.1]), np.array([0.25, 0.5, 1.0])
+    for tinted in (False, True):
+        cosines = np.array([1.0, 1.0 / 7.0, 0.0])
+        incoming = np.stack([np.sqrt(1.0 - cosines**2), 0.0 * cosines, cosines], -1)
+        inputs = {"Radiance": np.ones(3), "Base Color": base, "Edge Tint": tint, "Roughness": 0.0, "Incoming": incoming}
+        inputs["Normal"] = np.array([0.0, 0.0, 1.0])
+        found = evaluate(surface(SurfaceEffects((TintedMetal(tinted),), leaves_base=True)), inputs, np.float64)
+        plain, _ = light(metal(0.0), cosines, base=tuple(base), metallic=1.0)
+        expected = plain * ([np.ones(3), tint, np.ones(3)] if tinted else 1.0)
+        np.testing.assert_allclose(found["Reflection"], expected, atol=1e-9)
+        assert not found["Diffuse Color"].any(), "nothing lies under it"
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.3, 0.8])

@@ -1,7 +1,8 @@
 """Tries the tests: python3 dev.py run -m tests.mutation [--module core/plan.py …] [--each N] [--seed S] [--jobs J]
 
 For each module a sample of its one-line changes is made, one at a time, and the tests that matter for it are run.
-Prints the changes that no test noticed, and a table. Ends with 1 where tests fail without a change.
+Prints the changes that no test noticed, and a table. A module whose tests fail without a change is named and passed
+over; the end is then 1.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from .equivalent import EQUIVALENT
 from .mutants import Mutant, mutants, sample
 from .suites import SUITES
 
-_ALL_PASSED, _NO_TESTS = 0, 5  # what pytest ends with
+_ALL_PASSED = 0  # what pytest ends with
 _HEAD = "| module | mutants | killed | equivalent | rate |\n| --- | --- | --- | --- | --- |"
 
 
@@ -47,30 +48,24 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="how many at the same time")
     options = parser.parse_args()
-    tallies = []
-    for module in options.module or SUITES:
-        tally = try_module(module, options.each, options.seed, options.jobs)
-        if tally is None:
-            return 1
-        tallies.append(tally)
+    modules = options.module or list(SUITES)
+    found = [try_module(module, options.each, options.seed, options.jobs) for module in modules]
+    tallies = [tally for tally in found if tally is not None]
     print(_HEAD, *(tally.row for tally in tallies), sep="\n")
     tried, equivalent = sum(t.tried for t in tallies), sum(t.equivalent for t in tallies)
     print(Tally("all", tried, equivalent, [m for t in tallies for m in t.survivors]).row)
-    return 0
+    return 0 if len(tallies) == len(modules) else 1
 
 
 def try_module(module: str, each: int, seed: int, jobs: int) -> Tally | None:
     """The results of a module's sample, or None where its tests fail as it is."""
     source = (PACKAGE / module).read_text(encoding="utf-8")
     lines = [line.strip() for line in source.splitlines()]
-    files = [file for file in SUITES[module] if (PACKAGE.parent / file).exists()]
-    if not files:
-        print(f"{module}: it has no tests")
-        return None
+    files = list(SUITES[module])
     start = time.monotonic()
     code = run(module, "none", files, 900.0)
     if code != _ALL_PASSED:
-        print(f"{module}: its tests fail without a change ({code}): {' '.join(files)}")
+        print(f"{module}: its tests fail without a change ({code}): {' '.join(files)}", flush=True)
         return None
     patience = 20.0 + 4.0 * (time.monotonic() - start)
     chosen = sample(mutants(source), each, seed)
@@ -99,8 +94,6 @@ def run(module: str, number: str, files: list[str], patience: float) -> int | No
             )
         except subprocess.TimeoutExpired:
             return None
-    if done.returncode == _NO_TESTS:
-        sys.exit(f"{module}: no test in {' '.join(files)}")
     return done.returncode
 
 

@@ -6,7 +6,10 @@ import ast
 
 import pytest
 
+from .child import PACKAGE
+from .equivalent import EQUIVALENT
 from .mutants import mutants, mutated, sample
+from .suites import SUITES
 
 SOURCE = '''"""A module."""
 
@@ -65,3 +68,21 @@ def test_a_sample_is_spread_over_the_kinds_and_the_same_for_the_same_seed() -> N
     assert {mutant.kind for mutant in few} == kinds
     assert few == sample(found, len(kinds), 5)
     assert sample(found, 1000, 5) == found
+
+
+def test_every_module_and_test_file_that_is_named_exists() -> None:
+    named = [
+        *(PACKAGE / module for module in SUITES),
+        *(PACKAGE.parent / f for files in SUITES.values() for f in files),
+    ]
+    assert [path for path in named if not path.exists()] == []
+
+
+def test_every_change_said_to_be_equivalent_is_one_that_is_made() -> None:
+    made = {
+        (module, source.splitlines()[mutant.line - 1].strip(), mutant.before, mutant.after)
+        for module in {module for module, *_ in EQUIVALENT}
+        for source in [(PACKAGE / module).read_text(encoding="utf-8")]
+        for mutant in mutants(source)
+    }
+    assert EQUIVALENT.keys() - made == set()

@@ -39,6 +39,7 @@ _CAPTURED = [
 _NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
 _ID_BOOKKEEPING = {p.identifier for p in bpy.types.ID.bl_rna.properties}
 _NODE_BOOKKEEPING = {p.identifier for p in bpy.types.Node.bl_rna.properties} - {"mute"}
+_DRAWN = {"color_ramp", "mapping"}  # values of a node that are no inputs
 _MODIFIER_BOOKKEEPING = {"is_active", "show_expanded", "show_in_editmode", "show_on_cage", "execution_time"}
 
 
@@ -127,7 +128,7 @@ def node_lines(tree: bpy.types.NodeTree | None, seen: set[str] | None = None, *,
     Args:
         tree: the shader's nodes; None gives no line.
         seen: names of trees that have had their lines.
-        values: whether the values of the tree's own inputs count; those within groups always do.
+        values: whether the values, ramps and curves of the tree's own nodes count; those within groups always do.
     """
     seen = set() if seen is None else seen
     if tree is None or tree.name_full in seen:
@@ -138,7 +139,8 @@ def node_lines(tree: bpy.types.NodeTree | None, seen: set[str] | None = None, *,
         if marks.role(node):
             continue
         lines.append(f"node {node.name} {node.bl_idname}")
-        lines += _properties(node, (_NODE_BOOKKEEPING | {"is_active_output", "target"}) - {"mute"})
+        skipped = _NODE_BOOKKEEPING | {"is_active_output", "target"} | (set() if values else _DRAWN)
+        lines += _properties(node, skipped)
         for socket in node.inputs if values else ():
             value = getattr(socket, "default_value", None)
             lines.append(f"  {socket.identifier} {_plain(value)}")
@@ -161,9 +163,20 @@ def _properties(struct: Any, without: Iterable[str]) -> list[str]:
     ]
 
 
+def _contents(struct: Any) -> list[str]:
+    """The properties of a colour ramp or of curves, and those of their points."""
+    lines = _properties(struct, {"select"})
+    for p in struct.bl_rna.properties:
+        if p.type == "COLLECTION":
+            lines += [line for part in getattr(struct, p.identifier) for line in _contents(part)]
+    return lines
+
+
 def _plain(value: Any) -> str:
     if isinstance(value, bpy.types.ID):
         return value.name_full
+    if isinstance(value, (bpy.types.ColorRamp, bpy.types.CurveMapping)):
+        return repr(_contents(value))
     if isinstance(value, bpy.types.bpy_struct):
         return type(value).__name__
     if hasattr(value, "__len__") and not isinstance(value, (str, set)):

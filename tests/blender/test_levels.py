@@ -1,0 +1,216 @@
+"""A probe's pictures in the file and on disk: stored, blurred further, checked, replaced; nothing is rendered here."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from pcc_addon.blender.probes import ensure_uid
+from pcc_addon.blender.read.probes import bake_record, probe_spec
+from pcc_addon.blender.store import pictures
+from pcc_addon.blender.store.levels import bake_folder, check_folder, ensure_levels, faulty_picture, store
+from pcc_addon.core.errors import BakeError
+from pcc_addon.core.prefilter import prefilter
+from pcc_addon.core.sidecar import Sidecar
+from tests.blender.helpers import picture, pictures_of, save, small_probe
+
+RNG = np.random.default_rng(1)
+SHARP = RNG.uniform(0.0, 4.0, (16, 32, 3)).astype(np.float32)
+
+
+def stored(probe: bpy.types.Object, folder: Path | None, **levels: np.ndarray) -> None:
+    record = Sidecar.of_bake(probe_spec(probe), ensure_uid(probe), seconds=0.0, content_hash="", blender="", addon="")
+    store(probe, record, {0.0: SHARP, **{float(k[1:]) / 10: v for k, v in levels.items()}}, folder)
+
+
+def record_of(probe: bpy.types.Object) -> Sidecar:
+    record = bake_record(probe)
+    assert record is not None
+    return record
+
+
+@pytest.fixture(params=["packed", "linked"])
+def folder(request: pytest.FixtureRequest, tmp_path: Path) -> Path | None:
+    return None if request.param == "packed" else tmp_path / "deep" / "bakes"
+
+
+def test_what_is_stored_is_read_back_and_described(scene, folder: Path | None) -> None:
+    probe = small_probe()
+    stored(probe, folder, r5=2.0 * SHARP)
+    np.testing.assert_array_equal(picture(probe), SHARP)
+    np.testing.assert_array_equal(picture(probe, 0.5), 2.0 * SHARP)
+    record = record_of(probe)
+    assert [level.roughness for level in record.levels] == [0.0, 0.5]
+    assert [(level.width, level.height) for level in record.levels] == [(32, 16)] * 2
+    assert [level.key.level for level in record.levels] == [0, 1]
+    assert faulty_picture(probe, record) == ""
+    for level in probe.pcc_probe.levels:
+        assert bool(level.image.packed_file) is (folder is None)
+        assert level.image.name == f"PCC Probe {level.roughness:.4f}"
+    if folder is None:
+        assert [level.image.packed_file.size for level in probe.pcc_probe.levels] == [x.size for x in record.levels]
+    else:
+        files = {*(level.file for level in record.levels), *(path.name for path in folder.glob("*.json"))}
+        assert {path.name for path in folder.iterdir()} == files and len(files) == 3
+        assert [path.stat().st_size for path in pictures_of(probe)] == [level.size for level in record.levels]
+
+
+def test_a_picture_that_is_replaced_is_replaced_wherever_it_is_shown(scene, folder: Path | None) -> None:
+    probe = small_probe()
+    stored(probe, folder)
+    material = bpy.data.materials.new("Shows it")
+    material.use_nodes = True
+    node = material.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = probe.pcc_probe.levels[0].image
+    record = record_of(probe)
+    store(probe, record, {0.0: 3.0 * SHARP}, folder)
+    assert node.image == probe.pcc_probe.levels[0].image and len(bpy.data.images) == 1
+    np.testing.assert_array_equal(pictures.read_pixels(node.image), 3.0 * SHARP)
+    store(probe, record, {0.0: 3.0 * SHARP}, folder)
+    assert len(bpy.data.images) == 1 and bpy.data.images[0].name == "PCC Probe 0.0000"
+
+
+def test_levels_that_are_wanted_no_more_are_removed_unless_somebody_shows_them(scene) -> None:
+    probe = small_probe()
+    stored(probe, None, r3=SHARP, r5=SHARP)
+    kept = probe.pcc_probe.levels[2].image
+    kept.use_fake_user = True
+    stored(probe, None)
+    assert len(probe.pcc_probe.levels) == 1
+    assert {image.name for image in bpy.data.images} == {"PCC Probe 0.0000", kept.name}
+
+
+def test_missing_levels_are_made_from_the_sharpest_and_the_others_stay(scene, folder: Path | None) -> None:
+    probe = small_probe()
+    stored(probe, folder, r5=2.0 * SHARP)
+    ensure_levels(probe, [0.0, 0.5, 0.3], folder)
+    assert [level.roughness for level in probe.pcc_probe.levels] == pytest.approx([0.0, 0.3, 0.5])
+    np.testing.assert_array_equal(picture(probe), SHARP)
+    np.testing.assert_array_equal(picture(probe, 0.5), 2.0 * SHARP)
+    np.testing.assert_allclose(picture(probe, 0.3), prefilter(SHARP, 0.3), rtol=1e-6)
+    before = [level.image for level in probe.pcc_probe.levels]
+    ensure_levels(probe, [0.3, 0.5], folder)
+    assert [level.image for level in probe.pcc_probe.levels] == before, "nothing was missing"
+
+
+def test_levels_of_a_probe_without_a_bake_or_a_capture_are_refused(scene) -> None:
+    probe = small_probe()
+    with pytest.raises(BakeError, match="probe 'Probe' has no bake; bake it first"):
+        ensure_levels(probe, [0.3], None)
+    stored(probe, None)
+    probe.pcc_probe.levels[0].image = None
+    with pytest.raises(BakeError, match="'Probe': its capture is missing from the file; bake it again"):
+        ensure_levels(probe, [0.3], None)
+
+
+def test_a_renamed_probes_pictures_are_renamed(scene) -> None:
+    probe = small_probe()
+    stored(probe, None)
+    probe.name = "Hall"
+    ensure_levels(probe, [0.0], None)
+    assert [level.image.name for level in probe.pcc_probe.levels] == ["PCC Hall 0.0000"]
+
+
+def test_a_copys_pictures_are_its_own_from_its_first_bake_on(scene) -> None:
+    probe = small_probe()
+    stored(probe, None)
+    copy = probe.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    shared = probe.pcc_probe.levels[0].image
+    assert copy.pcc_probe.levels[0].image == shared
+    ensure_levels(copy, [0.0], None)
+    assert shared.name == "PCC Probe 0.0000", "it is not the copy's to rename"
+    record = replace(record_of(copy), uid="0123456789abcdef")
+    store(copy, record, {0.0: 2.0 * SHARP}, None)
+    assert copy.pcc_probe.levels[0].image != shared == probe.pcc_probe.levels[0].image
+    np.testing.assert_array_equal(picture(probe), SHARP)
+
+
+def test_every_fault_of_a_picture_is_named(scene, tmp_path: Path) -> None:
+    probe = small_probe()
+    stored(probe, tmp_path, r5=SHARP)
+    record = record_of(probe)
+    [sharp, blurred] = pictures_of(probe)
+
+    def fault(of: Sidecar = record) -> str:
+        return faulty_picture(probe, of)
+
+    assert fault() == ""
+    assert fault(replace(record, levels=())) == "its record names no pictures"
+    extra = replace(record.levels[1], roughness=0.7)
+    assert (
+        fault(replace(record, levels=(*record.levels, extra)))
+        == "its picture of roughness 0.7 is missing from the file"
+    )
+    other = replace(record.levels[0], file="other.exr")
+    assert fault(replace(record, levels=(other,))) == f"its picture '{sharp}' is that of another bake"
+    larger = replace(record.levels[0], size=record.levels[0].size + 1)
+    assert fault(replace(record, levels=(larger,))).endswith("is not the one that was baked: it has another size")
+    unsized = tuple(replace(level, size=0) for level in record.levels)
+    assert fault(replace(record, levels=unsized)) == "", "older records note no size"
+    whole = blurred.read_bytes()
+    blurred.write_bytes(whole[:200])
+    assert fault() == f"its picture '{blurred}' is not the one that was baked: it has another size"
+    assert fault(replace(record, levels=unsized)) == f"its picture '{blurred}' cannot be read"
+    blurred.unlink()
+    assert fault() == f"its picture '{blurred}' is missing"
+    probe.pcc_probe.levels[0].image = None
+    assert fault() == "its picture of roughness 0 is missing from the file"
+
+
+def test_a_packed_picture_of_another_bake_is_named(scene) -> None:
+    probe = small_probe()
+    stored(probe, None)
+    record = record_of(probe)
+    level = record.levels[0]
+    name = probe.pcc_probe.levels[0].image.name
+    other = replace(record, levels=(replace(level, size=level.size + 1),))
+    assert faulty_picture(probe, other) == f"its packed picture '{name}' is not the one that was baked"
+    assert faulty_picture(probe, replace(record, levels=(replace(level, size=0),))) == ""
+
+
+def test_a_folder_that_cannot_be_written_is_named_and_nothing_stays(scene, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    for folder in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(BakeError, match=f"cannot write into '{folder}' .*; make it writable or choose another"):
+            check_folder(folder)
+    check_folder(tmp_path / "new" / "deep")
+    check_folder(None)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"] and (tmp_path / "file").read_text() == "mine"
+    (tmp_path / "kept").mkdir()
+    check_folder(tmp_path / "kept")
+    assert (tmp_path / "kept").is_dir()
+
+
+def test_a_store_that_fails_leaves_the_old_bake(scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    probe = small_probe()
+    stored(probe, tmp_path)
+    before, record = {path: path.read_bytes() for path in tmp_path.iterdir()}, probe.pcc_probe.bake_record
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pcc_addon.core.sidecar.move_into_place", full)
+    with pytest.raises(BakeError, match=r"probe 'Probe': cannot write into .* \(No space left on device\); free space"):
+        stored(probe, tmp_path, r5=SHARP)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert probe.pcc_probe.bake_record == record and len(probe.pcc_probe.levels) == 1
+
+
+def test_bakes_go_beside_the_file_or_where_the_scene_says(scene, tmp_path: Path) -> None:
+    assert bake_folder(scene) is None
+    scene.pcc.folder = "//bakes"
+    assert bake_folder(scene) is None, "relative to nothing"
+    assert bake_folder(scene, str(tmp_path / "a.blend")) == (tmp_path / "bakes").resolve()
+    scene.pcc.folder = str(tmp_path / "chosen")
+    assert bake_folder(scene) == (tmp_path / "chosen").resolve()
+    scene.pcc.folder = ""
+    assert bake_folder(scene, str(tmp_path / "a.blend")) == (tmp_path / "a.pcc").resolve()
+    save(tmp_path / "b.blend")
+    assert bake_folder(bpy.context.scene) == (tmp_path / "b.pcc").resolve()
+    bpy.context.scene.pcc.folder = "//bakes"
+    assert bake_folder(bpy.context.scene) == (tmp_path / "bakes").resolve()

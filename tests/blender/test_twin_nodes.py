@@ -1,0 +1,348 @@
+"""What a twin's nodes are fed by: the reflection, what is left beside it, the own lobe, several probes, layers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import pytest
+
+from pcc_addon.blender import marks
+from pcc_addon.blender.read.materials import read_material
+from pcc_addon.blender.shade import live
+from pcc_addon.blender.shade.injection import remove
+from pcc_addon.blender.shade.twin import (
+    add_twins,
+    has_twins,
+    is_torn,
+    reflection_nodes,
+    remove_twins,
+    shown_probe_groups,
+)
+from pcc_addon.blender.shade.twin_order import TwinOrder
+from pcc_addon.core.effects.roughness import neighbours
+from pcc_addon.core.pictures import LADDER
+from pcc_addon.core.plan import plan_surfaces
+from sample_blends.scenes import principled_node
+from tests.blender.helpers import pretend_bake, put_in, small_probe
+from tests.blender.materials import (
+    Material,
+    displaced_and_volumetric,
+    half_see_through,
+    image_texture,
+    link,
+    normal_mapped,
+    see_through,
+    shiny,
+    show,
+    textured,
+)
+from tests.blender.receivers import coated, glossy, mixed, muted, nested, one_shader_twice, outputs_of_each_engine
+
+
+def injected(material: Material) -> Material:
+    show(material)
+    put_in()
+    return material
+
+
+def rough() -> Material:
+    material = shiny()
+    principled_node(material).inputs["Roughness"].default_value = 0.3
+    return material
+
+
+def ours(material: Material, kind: str) -> list[bpy.types.Node]:
+    return [node for node in material.node_tree.nodes if marks.role(node) and node.bl_idname == kind]
+
+
+def called(material: Material, label: str) -> list[bpy.types.Node]:
+    return [node for node in ours(material, "ShaderNodeGroup") if node.label.startswith(label)]
+
+
+def fed(node: bpy.types.Node, name: str | int) -> tuple[bpy.types.Node, str]:
+    """The node and the output that feed an input."""
+    [found] = node.inputs[name].links
+    return found.from_node, found.from_socket.name
+
+
+def seen(material: Material) -> bpy.types.Node:
+    """The node that the twin's output shows: the probes over the own lobe."""
+    [output] = ours(material, "ShaderNodeOutputMaterial")
+    return fed(output, "Surface")[0]
+
+
+def test_a_twin_shows_what_is_left_and_the_reflection_but_to_diffuse_rays_the_original(probe) -> None:
+    material = injected(rough())
+    original, top = principled_node(material), seen(material)
+    assert top.bl_idname == "ShaderNodeMixShader"
+    path, share = fed(top, 0)
+    assert (path.bl_idname, share) == ("ShaderNodeLightPath", "Is Diffuse Ray")
+    assert fed(top, 2)[0] == original
+    both = fed(top, 1)[0]
+    assert both.bl_idname == "ShaderNodeAddShader"
+    base, glow = fed(both, 0)[0], fed(both, 1)[0]
+    [lit] = called(material, "Reflectance")
+    assert fed(glow, "Color") == (lit, "Reflection") and glow.inputs["Strength"].default_value == 1.0
+    assert fed(base, "Base Color") == (lit, "Diffuse Color")
+    assert base.inputs["Metallic"].default_value == base.inputs["Specular IOR Level"].default_value == 0.0
+    assert base.inputs["Roughness"].default_value == pytest.approx(0.3)
+    assert base.inputs["IOR"].default_value == original.inputs["IOR"].default_value
+    assert lit.inputs["Roughness"].default_value == pytest.approx(0.3)
+    assert set(reflection_nodes(material)) == {top, glow}
+
+
+def test_the_reflection_is_of_the_radiance_between_two_levels_of_the_probe(probe) -> None:
+    material = injected(rough())
+    [lit], [shown] = (
+        called(material, "Reflectance"),
+        [n for n in ours(material, "ShaderNodeGroup") if "Probe of" in n.name],
+    )
+    between, radiance = fed(lit, "Radiance")
+    assert radiance == "Radiance" and between.inputs["Roughness"].default_value == pytest.approx(0.3)
+    low, high = neighbours(LADDER, 0.3, 0.3)
+    assert fed(between, "Level 0") == (shown, f"Level {low}") and fed(between, "Level 1") == (shown, f"Level {high}")
+    assert f"{LADDER[low]:.3g} {LADDER[high]:.3g}" in between.label
+    assert shown.node_tree == probe.pcc_probe.group and shown_probe_groups(material) == (probe.pcc_probe.group,)
+    for node, name in ((shown, "Normal"), (lit, "Normal"), (lit, "Incoming")):
+        geometry, output = fed(node, name)
+        assert (geometry.bl_idname, output) == ("ShaderNodeNewGeometry", name)
+    assert len(ours(material, "ShaderNodeNewGeometry")) == 1
+
+
+def test_a_mirror_reads_its_level_itself(probe) -> None:
+    material = injected(shiny())
+    [lit] = called(material, "Reflectance")
+    node, output = fed(lit, "Radiance")
+    assert marks.role(node) == "probe" and output == "Level 0"
+
+
+def test_our_nodes_lie_below_the_original_and_none_is_selected(probe) -> None:
+    material = shiny()
+    principled_node(material).location = (120.0, -30.0)
+    injected(material)
+    added = [node for node in material.node_tree.nodes if marks.role(node) not in (None, "frame")]
+    lowest = min(n.location.y - n.height for n in material.node_tree.nodes if not marks.role(n))
+    assert added and not any(node.select for node in added)
+    assert all(node.location.y < lowest for node in added)
+    places = [tuple(node.location) for node in added if marks.role(node) in ("probe", "glow")]
+    assert len(set(places)) == len(places)
+
+
+def test_the_output_is_named_in_force_and_takes_the_rest_along(probe) -> None:
+    material = injected(displaced_and_volumetric())
+    [output] = ours(material, "ShaderNodeOutputMaterial")
+    assert output.is_active_output and output.label == "Parallax Probe" and output.name == "PCC Material Output"
+    assert fed(output, "Displacement")[0].bl_idname == "ShaderNodeDisplacement"
+    assert fed(output, "Volume")[0].bl_idname == "ShaderNodeVolumeScatter"
+
+
+def test_textures_go_to_the_reflection_and_normals_to_the_lookup(probe) -> None:
+    material = injected(textured())
+    [lit], [texture] = called(material, "Reflectance"), [n for n in material.node_tree.nodes if n.type == "TEX_IMAGE"]
+    assert fed(lit, "Base Color") == (texture, "Color") and fed(lit, "Metallic") == (texture, "Alpha")
+    assert fed(lit, "Specular IOR Level") == (texture, "Alpha")
+    base = next(n for n in ours(material, "ShaderNodeBsdfPrincipled"))
+    assert not base.inputs["Metallic"].is_linked and not base.inputs["Specular IOR Level"].is_linked
+    bumpy = injected(normal_mapped())
+    [lit] = called(bumpy, "Reflectance")
+    [shown] = [n for n in bumpy.node_tree.nodes if marks.role(n) == "probe"]
+    [bent] = called(bumpy, "Valid Normal")
+    for node in (bent, *ours(bumpy, "ShaderNodeBsdfPrincipled")):
+        assert fed(node, "Normal")[0].bl_idname == "ShaderNodeNormalMap"
+    assert fed(lit, "Normal")[0] == fed(shown, "Normal")[0] == bent
+
+
+def test_what_is_seen_through_reflects_less(probe) -> None:
+    half, mapped = injected(half_see_through()), injected(see_through())
+    assert [n.inputs["Strength"].default_value for n in ours(half, "ShaderNodeEmission")] == [0.5]
+    [glow] = ours(mapped, "ShaderNodeEmission")
+    assert fed(glow, "Strength")[1] == "Alpha"
+    principled_node(half).inputs["Alpha"].default_value = 0.25
+    live.copy_values(half.node_tree)
+    assert [n.inputs["Strength"].default_value for n in ours(half, "ShaderNodeEmission")] == [0.25]
+
+
+def test_where_the_roughness_varies_rough_places_keep_their_own_lobe(probe) -> None:
+    material = shiny()
+    link(material, image_texture(material).outputs["Alpha"], principled_node(material).inputs["Roughness"])
+    injected(material)
+    [own] = called(material, "Own Lobe")
+    assert fed(seen(material), 0) == (own, "Share")
+    assert own.inputs["Coverage"].default_value == 1.0 and not own.inputs["Coverage"].is_linked
+    assert fed(own, "Roughness")[0].bl_idname == "ShaderNodeTexImage"
+    assert fed(own, "Diffuse Ray")[1] == "Is Diffuse Ray"
+    assert "0.6" in own.node_tree.name
+
+
+def test_a_surface_that_leaves_the_box_is_covered_by_the_probes_weight(probe) -> None:
+    material = shiny()
+    show(material).scale = (9.0, 9.0, 1.0)
+    bpy.context.view_layer.update()
+    put_in()
+    [own] = called(material, "Own Lobe")
+    node, output = fed(own, "Coverage")
+    assert marks.role(node) == "probe" and output == "Weight"
+    assert fed(seen(material), 0) == (own, "Share")
+
+
+def test_two_probes_are_mixed_by_place_the_smaller_over_the_larger(probe) -> None:
+    small = small_probe("Alcove", half_extents=(1.0, 1.0, 0.75))
+    small.pcc_probe.falloff = 0.125
+    pretend_bake(small)
+    material = injected(shiny())
+    large_node, small_node = (
+        next(n for n in material.node_tree.nodes if marks.role(n) == "probe" and n.node_tree == p.pcc_probe.group)
+        for p in (probe, small)
+    )
+    assert large_node.location.y - small_node.location.y > 200.0, "drawn one below the other"
+    [start], [step] = called(material, "First Probe"), called(material, "Next Probe")
+    assert fed(start, "Depth") == (large_node, "Depth")
+    assert fed(step, "Depth") == (small_node, "Depth") and fed(step, "Distance") == (start, "Distance")
+    assert step.inputs["Fade"].default_value == pytest.approx(0.125)
+    for name, node in (("Coverage", large_node), ("Weight", small_node)):
+        if "Weight" in node.outputs:
+            assert fed(step, name) == (node, "Weight")
+        else:
+            assert step.inputs[name].default_value == 1.0 and not step.inputs[name].is_linked
+    total = fed(seen(material), 1)[0]
+    by_place = fed(total, 1)[0]
+    assert fed(by_place, 0) == (step, "Share")
+    for slot, node in ((1, large_node), (2, small_node)):
+        lit = fed(fed(by_place, slot)[0], "Color")[0]
+        assert fed(lit, "Radiance")[0] == node
+    if called(material, "Own Lobe"):
+        assert fed(called(material, "Own Lobe")[0], "Coverage") == (step, "Coverage")
+
+
+def test_layers_dim_a_reflection_that_the_whole_surface_emits(probe) -> None:
+    material = coated()
+    principled_node(material).inputs["Emission Color"].default_value = (0.5, 0.25, 0.125, 1.0)
+    injected(material)
+    mix = fed(seen(material), 1)[0]
+    assert mix.inputs[0].default_value == 1.0
+    base, whole = fed(mix, 1)[0], fed(mix, 2)[0]
+    assert base.inputs["Coat Weight"].default_value == 0.0 and whole.inputs["Coat Weight"].default_value == 0.5
+    assert whole.inputs["Sheen Weight"].default_value == pytest.approx(0.3)
+    add = fed(whole, "Emission Color")[0]
+    assert add.operation == "MULTIPLY_ADD" and fed(add, 2)[1] == "Reflection"
+    assert add.inputs[0].default_value[:] == (0.5, 0.25, 0.125) and add.inputs[1].default_value[:] == (0.0, 0.0, 0.0)
+    principled_node(material).inputs["Emission Strength"].default_value = 3.0
+    live.copy_values(material.node_tree)
+    assert add.inputs[1].default_value[:] == (3.0, 3.0, 3.0) and whole.inputs["Emission Strength"].default_value == 1.0
+    assert mix in reflection_nodes(material)
+
+
+def test_a_lobe_without_base_is_the_reflection_alone(probe) -> None:
+    material = injected(glossy())
+    top = seen(material)
+    assert fed(top, 1)[0].bl_idname == "ShaderNodeEmission" and fed(top, 2)[0].bl_idname == "ShaderNodeBsdfAnisotropic"
+    assert not ours(material, "ShaderNodeAddShader")
+
+
+@pytest.mark.parametrize("build", [shiny, glossy])
+def test_without_probes_a_twin_is_what_is_left_beside_the_lobe(scene, build: Callable[[], Material]) -> None:
+    material = build()
+    plans = plan_surfaces(read_material(material), 0.6)
+    add_twins(material, TwinOrder((), {plan.path: plan for plan in plans}))
+    top = seen(material)
+    if build is shiny:
+        assert top.bl_idname == "ShaderNodeBsdfPrincipled" and fed(top, "Base Color")[1] == "Diffuse Color"
+    else:
+        assert top.bl_idname == "ShaderNodeEmission" and top.inputs["Strength"].default_value == 0.0
+    assert not shown_probe_groups(material) and has_twins(material)
+    assert material.cycles.emission_sampling != "NONE", "nothing glows"
+
+
+def test_shaders_around_a_surface_are_copied_and_read_its_twin(probe) -> None:
+    material = mixed()
+    original = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeMixShader")
+    original.inputs[0].default_value = 0.25
+    injected(material)
+    copy = seen(material)
+    assert copy != original and copy.name == f"PCC {original.name}" and copy.inputs[0].default_value == 0.25
+    for slot, name in ((1, "Principled BSDF"), (2, "Principled BSDF.001")):
+        assert fed(fed(copy, slot)[0], 2)[0].name == name
+    twice = injected(one_shader_twice())
+    assert len(called(twice, "Reflectance")) == 1
+    assert fed(seen(twice), 1)[0] == fed(seen(twice), 2)[0]
+
+
+def test_an_empty_slot_beside_a_surface_stays_empty(probe) -> None:
+    material = shiny()
+    add = material.node_tree.nodes.new("ShaderNodeAddShader")
+    link(material, principled_node(material).outputs[0], add.inputs[1])
+    output = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    link(material, add.outputs[0], output.inputs["Surface"])
+    injected(material)
+    copy = seen(material)
+    assert copy.bl_idname == "ShaderNodeAddShader" and copy != add
+    assert not copy.inputs[0].is_linked and fed(copy, 1)[0].bl_idname == "ShaderNodeMixShader"
+
+
+def test_a_muted_shader_stays_in_its_place(probe) -> None:
+    material = injected(muted())
+    off = material.node_tree.nodes["Principled BSDF.001"]
+    assert fed(seen(material), 2)[0] == off and off.mute
+    [lit] = called(material, "Reflectance")
+    assert fed(lit, "Base Color")[0].bl_idname == "ShaderNodeBrightContrast"
+
+
+def test_groups_are_copied_for_the_material_and_go_with_its_twins(probe) -> None:
+    material = injected(nested())
+    copies = {tree.name: tree for tree in bpy.data.node_groups if marks.role(tree) == "copy"}
+    assert set(copies) == {f"PCC Inner, {material.name}", f"PCC Outer, {material.name}"}
+    inner = copies[f"PCC Inner, {material.name}"]
+    [lit] = [n for n in inner.nodes if n.label == "Reflectance"]
+    assert fed(lit, "Base Color") == (next(n for n in inner.nodes if n.bl_idname == "NodeGroupInput"), "Color")
+    assert shown_probe_groups(material) == (probe.pcc_probe.group,)
+    outer = next(n for n in ours(material, "ShaderNodeGroup") if n.node_tree == copies[f"PCC Outer, {material.name}"])
+    assert outer.inputs["Roughness"].default_value == 0.25
+    assert not any(marks.role(n) for n in bpy.data.node_groups["Inner"].nodes)
+    assert len(reflection_nodes(material)) == 2 and not is_torn(material)
+    bpy.data.node_groups.remove(lit.node_tree)
+    assert is_torn(material)
+    assert remove() == [material.name]
+    assert not [tree for tree in bpy.data.node_groups if marks.role(tree) == "copy"]
+
+
+def test_removing_says_whether_there_was_something(probe) -> None:
+    material = shiny()
+    assert not has_twins(material) and not remove_twins(material) and not is_torn(material)
+    injected(material)
+    assert has_twins(material) and remove_twins(material)
+    assert not has_twins(material) and not remove_twins(material)
+    assert not [node for node in material.node_tree.nodes if marks.role(node)]
+
+
+def test_each_engine_gets_its_own_twin_and_gets_its_output_back(probe) -> None:
+    material = injected(outputs_of_each_engine())
+    twins = {node.target: node for node in ours(material, "ShaderNodeOutputMaterial")}
+    assert set(twins) == {"CYCLES", "EEVEE"}
+    own = [n for n in material.node_tree.nodes if n.type == "OUTPUT_MATERIAL" and not marks.role(n)]
+    assert {n.target for n in own} == {"ALL"}
+    assert material.node_tree.get_output_node("CYCLES") == twins["CYCLES"]
+    assert remove_twins(material) and [n.target for n in own] == ["CYCLES", "EEVEE"]
+
+
+@pytest.mark.parametrize("sampling", [None, "FRONT", "NONE"])
+def test_lamp_sampling_comes_back_as_it_was(probe, sampling: str | None) -> None:
+    material = shiny()
+    if sampling:
+        material.cycles.emission_sampling = sampling
+    injected(material)
+    assert material.cycles.emission_sampling == "NONE"
+    remove_twins(material)
+    assert material.cycles.is_property_set("emission_sampling") is (sampling is not None)
+    assert material.cycles.emission_sampling == (sampling or "AUTO")
+
+
+def test_a_material_that_shows_the_probe_already_keeps_its_nodes(probe) -> None:
+    material = injected(rough())
+    before = [node.as_pointer() for node in material.node_tree.nodes]
+    put_in()
+    assert [node.as_pointer() for node in material.node_tree.nodes] == before
+    principled_node(material).inputs["Roughness"].default_value = 0.5
+    put_in()
+    [lit] = called(material, "Reflectance")
+    assert lit.inputs["Roughness"].default_value == 0.5
