@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -96,7 +97,8 @@ class Renderer:
         image = _render_result()
         path = self._folder / "picture.exr"
         if image is not None:
-            image.save_render(str(path), scene=self._scene)
+            with contextlib.suppress(RuntimeError):  # "could not be saved": there is no file then
+                image.save_render(str(path), scene=self._scene)
         if image is None or not path.is_file():
             raise BakeError(_no_picture(what))
         if shown is not None:

@@ -30,6 +30,7 @@ class Stage:
     def __init__(self, stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
         self.scene = scene
         self.view_layer = view_layer
+        compat.detach_compositor(stack, scene)
         self._renderer = Renderer(stack, scene, view_layer)
         _quiet_render(stack, scene)
         _set_engines(stack, scene)
