@@ -90,6 +90,8 @@ class Stage:
 
         Cycles goes over all objects, 20 µs each, in every render; a camera ray with its bounces takes it about 1 µs.
         """
+        if not compat.VIEWS_CAN_BE_READ:
+            return False
         rays = settings.width * settings.height * settings.samples
         return settings.engine is Engine.CYCLES and rays <= _RAYS_OF_AN_OBJECT * self._things
 
