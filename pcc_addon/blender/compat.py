@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 
 import bpy
 
 from ..core.probe import Engine
+from .overrides import override
 
 EEVEE_ID = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT"
 
 # From 5.2 on EEVEE draws lamps that cameras may see; before, a capture needs stand-ins.
 EEVEE_DRAWS_LAMPS = bpy.app.version >= (5, 2)
+
+# Before 5.0 the file of one view of several cannot be read back as a picture.
+VIEWS_CAN_BE_READ = bpy.app.version >= (5, 0)
 
 
 def engine_id(engine: Engine) -> str:
@@ -40,6 +45,16 @@ def set_float_exr(settings: bpy.types.ImageFormatSettings) -> Callable[[], None]
         if name in before:
             setattr(settings, name, value)
     return restore
+
+
+def detach_compositor(stack: ExitStack, scene: bpy.types.Scene) -> None:
+    """Part a scene from its compositor until `stack` closes.
+
+    Where denoising is switched on meanwhile, Render Layers nodes of Blender before 5.2 would get a socket for the noisy
+    picture and keep it. In 4.5 nothing can part them.
+    """
+    if bpy.app.version >= (5, 0):
+        override(stack, scene, "compositing_node_group", None)
 
 
 def uses_nodes(material: bpy.types.Material) -> bool:

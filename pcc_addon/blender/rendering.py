@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -89,26 +91,54 @@ class Renderer:
             Cancelled: the user stopped the render.
             BakeError: there is nothing to render with, or the render gave no picture.
         """
-        layer = {} if self._view_layer is None else {"layer": self._view_layer.name}
         begin = time.perf_counter()
-        try:
-            result = bpy.ops.render.render(scene=self._scene.name, **layer)
-        except RuntimeError as error:  # no camera, no view layer, an engine that gave up
-            raise BakeError(f"{what} cannot be rendered ({str(error).strip()})") from error
+        self._render(what)
         seconds = time.perf_counter() - begin
-        if "FINISHED" not in result:
-            raise Cancelled(f"{what}: the render was stopped")
         image = _render_result()
         path = self._folder / "picture.exr"
         if image is not None:
-            image.save_render(str(path), scene=self._scene)
+            with contextlib.suppress(RuntimeError):  # "could not be saved": there is no file then
+                image.save_render(str(path), scene=self._scene)
         if image is None or not path.is_file():
-            raise BakeError(f"{what} was rendered without a picture; another add-on may have removed it")
+            raise BakeError(_no_picture(what))
         if shown is not None:
             self._save_shown(image, shown)
-        pixels = pictures.read_file(path)
-        path.unlink()
-        return Frame(pixels, seconds)
+        return Frame(_taken(path), seconds)
+
+    def views(self, what: str, cameras: Sequence[bpy.types.Object]) -> list[np.ndarray]:
+        """Render once for several cameras, so that a renderer goes over the scene's objects only once.
+
+        Cycles gives each picture but the first a noise of its own.
+
+        Args:
+            what: what is rendered, for errors.
+            cameras: in the scene, called by one name and then ` 0`, ` 1`, …
+
+        Returns:
+            A picture for each, as in `Frame`.
+
+        Raises:
+            Cancelled, BakeError: as in `picture`.
+        """
+        with ExitStack() as stack:
+            endings = [f" {k}" for k in range(len(cameras))]
+            _show_as_views(stack, self._scene, endings)
+            override(stack, self._scene, "camera", cameras[0])
+            override(stack, self._scene.render, "filepath", str(self._folder / "view"))
+            self._render(what, write_still=True)
+        paths = [self._folder / f"view{ending}.exr" for ending in endings]
+        if not all(path.is_file() for path in paths):
+            raise BakeError(_no_picture(what))
+        return [_taken(path) for path in paths]
+
+    def _render(self, what: str, **options: bool) -> None:
+        layer = {} if self._view_layer is None else {"layer": self._view_layer.name}
+        try:
+            result = bpy.ops.render.render(scene=self._scene.name, **layer, **options)
+        except RuntimeError as error:  # no camera, no view layer, an engine that gave up
+            raise BakeError(f"{what} cannot be rendered ({str(error).strip()})") from error
+        if "FINISHED" not in result:
+            raise Cancelled(f"{what}: the render was stopped")
 
     def _save_shown(self, image: bpy.types.Image, path: Path) -> None:
         settings = self._scene.render.image_settings
@@ -129,6 +159,34 @@ def render(
         renderer = Renderer(stack, scene, view_layer)
         renderer.use(settings)
         return renderer.picture(f"scene '{scene.name}'", shown)
+
+
+def _show_as_views(stack: ExitStack, scene: bpy.types.Scene, endings: Sequence[str]) -> None:
+    """Let a scene render a view for each ending of its camera's name, into files with that ending."""
+    render = scene.render
+    views = render.views
+    stack.callback(setattr, views, "active_index", views.active_index)
+    for view in views:
+        override(stack, view, "use", False)
+    for ending in endings:
+        view = views.new(f"pcc{ending}")
+        stack.callback(views.remove, view)
+        view.use, view.camera_suffix, view.file_suffix = True, ending, ending
+    override(stack, render, "use_multiview", True)
+    override(stack, render, "views_format", "MULTIVIEW")
+    override(stack, render.image_settings, "views_format", "INDIVIDUAL")
+    override(stack, render, "use_file_extension", True)
+
+
+def _no_picture(what: str) -> str:
+    return f"{what} was rendered without a picture; another add-on may have removed it"
+
+
+def _taken(path: Path) -> np.ndarray:
+    """The pixels of a file that is not needed any more."""
+    pixels = pictures.read_file(path)
+    path.unlink()
+    return pixels
 
 
 def _render_result() -> bpy.types.Image | None:

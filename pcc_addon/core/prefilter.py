@@ -8,6 +8,7 @@ no seams, no sampling noise, the same blur at poles, edges and corners. Constant
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -73,8 +74,7 @@ def prefilter(picture: np.ndarray, roughness: float, progress: Callable[[float],
         return np.asarray(picture, np.float32)
     height = level_height(picture.shape[0], roughness)
     width = 2 * height
-    blur = _Blur(roughness, height)
-    gain = blur.gain()
+    blur, gain = _blur(roughness, height)
     weight = gain * equirect.solid_angles(width, height)
     spectrum = np.fft.rfft(np.moveaxis(shrink(picture, height), -1, 0) * weight[:, None])
     parts = np.stack([spectrum.real, spectrum.imag])
@@ -88,6 +88,15 @@ def prefilter(picture: np.ndarray, roughness: float, progress: Callable[[float],
         if progress is not None and i % 8 == 0:
             progress(2 * i / height)
     return np.maximum(result, 0.0).astype(np.float32)
+
+
+@lru_cache(maxsize=64)
+def _blur(roughness: float, height: int) -> tuple[_Blur, np.ndarray]:
+    """A blur and its gain, kept for the next probe of a bake: some tens of kilobytes for each level."""
+    blur = _Blur(roughness, height)
+    gain = blur.gain()
+    gain.setflags(write=False)
+    return blur, gain
 
 
 class _Blur:

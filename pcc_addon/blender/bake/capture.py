@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import uuid
 from contextlib import ExitStack
 from dataclasses import replace
 
@@ -20,6 +21,7 @@ from . import lamps
 
 OVERSCAN = 8  # pixels on each side, so that denoising and filtering at an edge have real neighbours
 _SENSOR = 36.0
+_RAYS_OF_AN_OBJECT = 32
 
 
 class Stage:
@@ -28,27 +30,35 @@ class Stage:
     def __init__(self, stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
         self.scene = scene
         self.view_layer = view_layer
+        compat.detach_compositor(stack, scene)
         self._renderer = Renderer(stack, scene, view_layer)
         _quiet_render(stack, scene)
         _set_engines(stack, scene)
         _show_as_reflected(stack, scene, view_layer)
-        camera = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
-        self.camera = temporary(stack, bpy.data.objects, bpy.data.objects.new("pcc capture", camera))
-        scene.collection.objects.link(self.camera)
-        override(stack, scene, "camera", self.camera)
+        self._lens = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
+        name = f"pcc capture {uuid.uuid4().hex}"  # which nobody has: views find their cameras by name
+        self._cameras = [_camera(stack, scene, self._lens, f"{name} {k}") for k in range(len(FACES))]
+        override(stack, scene, "camera", self._cameras[0])
+        view_layer.update()
+        self._things = len(view_layer.depsgraph.object_instances)
+        self._ready: dict[tuple[RenderSettings, int], np.ndarray] = {}  # faces rendered with others, not asked for yet
 
     def aim(self, stack: ExitStack, probe: ProbeSpec) -> None:
         """Set the engine and the camera for one probe, and what is hidden from it until `stack` closes."""
-        scene, camera = self.scene, self.camera.data
+        scene, lens = self.scene, self._lens
+        self._ready.clear()
         self._renderer.use(_settings(probe))
         for name in probe.hidden:
             override(stack, bpy.data.objects[name], "hide_render", True)
         if probe.engine is Engine.EEVEE and not compat.EEVEE_DRAWS_LAMPS:
             lamps.add_stand_ins(stack, scene, Vector(probe.capture_point), probe.clip_end)
-        camera.sensor_fit = "HORIZONTAL"
-        camera.sensor_width = _SENSOR
-        camera.lens = 0.5 * _SENSOR * probe.resolution / _size(probe)  # the inner pixels span exactly 90°
-        camera.clip_start, camera.clip_end = probe.clip_start, probe.clip_end
+        lens.sensor_fit = "HORIZONTAL"
+        lens.sensor_width = _SENSOR
+        lens.lens = 0.5 * _SENSOR * probe.resolution / _size(probe)  # the inner pixels span exactly 90°
+        lens.clip_start, lens.clip_end = probe.clip_start, probe.clip_end
+        for camera, face in zip(self._cameras, FACES, strict=True):
+            rotation = Matrix(face.rotation.tolist()).to_4x4()
+            camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
 
     def face(self, probe: ProbeSpec, index: int) -> np.ndarray:
         """Render one face: (n + 2·OVERSCAN, same, 3) float32 scene-linear radiance, row 0 at the bottom.
@@ -57,24 +67,49 @@ class Stage:
             Cancelled: the user stopped the render.
             BakeError: the render gave no picture, or one of another size.
         """
-        rotation = Matrix(FACES[index].rotation.tolist()).to_4x4()
-        self.camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
-        what = f"probe '{probe.name}': face {FACES[index].name}"
-        picture, size = self._renderer.picture(what).pixels, _size(probe)
-        if picture.shape[:2] != (size, size):
-            raise BakeError(
-                f"{what} came out {picture.shape[1]}×{picture.shape[0]} pixels instead of {size}×{size}; another "
-                "add-on may change render settings"
-            )
-        return picture
+        return self._face(probe, index, _settings(probe))
 
     def glimpse(self, probe: ProbeSpec, index: int) -> np.ndarray:
         """A face by Cycles of one sample for each pixel, without the denoiser that would hide its faults."""
-        self._renderer.use(replace(_settings(probe), samples=1, denoise=False))
-        try:
-            return self.face(probe, index)
-        finally:
-            self._renderer.use(_settings(probe))
+        return self._face(probe, index, replace(_settings(probe), samples=1, denoise=False))
+
+    def _face(self, probe: ProbeSpec, index: int, settings: RenderSettings) -> np.ndarray:
+        self._renderer.use(settings)
+        if not self._together(settings):
+            what = f"probe '{probe.name}': face {FACES[index].name}"
+            self.scene.camera = self._cameras[index]
+            return _checked(what, self._renderer.picture(what).pixels, settings)
+        if (settings, index) not in self._ready:
+            what = f"probe '{probe.name}': its faces"
+            faces = [_checked(what, face, settings) for face in self._renderer.views(what, self._cameras)]
+            self._ready.update({(settings, k): face for k, face in enumerate(faces)})
+        return self._ready.pop((settings, index))
+
+    def _together(self, settings: RenderSettings) -> bool:
+        """Whether one render of all faces is worth that nobody can stop it between two: rays take less than objects.
+
+        Cycles goes over all objects, 20 µs each, in every render; a camera ray with its bounces takes it about 1 µs.
+        """
+        if not compat.VIEWS_CAN_BE_READ:
+            return False
+        rays = settings.width * settings.height * settings.samples
+        return settings.engine is Engine.CYCLES and rays <= _RAYS_OF_AN_OBJECT * self._things
+
+
+def _checked(what: str, picture: np.ndarray, settings: RenderSettings) -> np.ndarray:
+    size = settings.width
+    if picture.shape[:2] != (size, size):
+        raise BakeError(
+            f"{what} came out {picture.shape[1]}×{picture.shape[0]} pixels instead of {size}×{size}; another "
+            "add-on may change render settings"
+        )
+    return picture
+
+
+def _camera(stack: ExitStack, scene: bpy.types.Scene, lens: bpy.types.Camera, name: str) -> bpy.types.Object:
+    camera = temporary(stack, bpy.data.objects, bpy.data.objects.new(name, lens))
+    scene.collection.objects.link(camera)
+    return camera
 
 
 def _size(probe: ProbeSpec) -> int:

@@ -59,8 +59,12 @@ def store(
             pictures.write_file(parts / level.file, levels[level.roughness])
         described = tuple(replace(level, size=(parts / level.file).stat().st_size) for level in described)
         record = replace(record, levels=described)
+        own = _own_images(probe)
         if folder is None:
-            images = {level.roughness: _packed(parts / level.file, probe, level) for level in described}
+            images = {
+                level.roughness: _packed(parts / level.file, own.get(_rung(level.roughness)), probe, level)
+                for level in described
+            }
         else:
             name = f"{stem}.json"
             try:
@@ -71,7 +75,10 @@ def store(
                 leftovers.wrote(new)
             except OSError as error:
                 raise BakeError(_cannot_write(probe, folder, error)) from error
-            images = {level.roughness: _linked(folder / level.file, probe, level) for level in described}
+            images = {
+                level.roughness: _linked(folder / level.file, own.get(_rung(level.roughness)), probe, level)
+                for level in described
+            }
     _keep(probe, record, images)
 
 
@@ -176,38 +183,46 @@ def _cannot_write(probe: bpy.types.Object, folder: Path, error: OSError) -> str:
     return f"probe '{probe.name}': cannot write into '{folder}' ({error.strerror}); free space or choose another folder"
 
 
-def _existing(probe: bpy.types.Object, roughness: float) -> bpy.types.Image | None:
-    """The image of a level that is to be replaced; None where a probe and its copy share it."""
-    shared = {level.image for o in bpy.data.objects if o != probe for level in o.pcc_probe.levels}
-    images = (level.image for level in probe.pcc_probe.levels if abs(level.roughness - roughness) < 5e-5)
-    return next((image for image in images if image not in shared), None)
+def _own_images(probe: bpy.types.Object) -> dict[int, bpy.types.Image]:
+    """The images of a probe's levels, without those that a probe and its copy share, by `_rung`."""
+    found = {_rung(level.roughness): level.image for level in probe.pcc_probe.levels if level.image}
+    if found:
+        others = [o.pcc_probe.levels for o in bpy.data.objects if o != probe and o.type == "EMPTY"]
+        shared = {level.image for levels in others for level in levels}
+        found = {rung: image for rung, image in found.items() if image not in shared}
+    return found
+
+
+def _rung(roughness: float) -> int:
+    """A roughness as a key; what Blender keeps is rounded to single precision."""
+    return round(roughness * 1e4)
 
 
 def _rename_pictures(probe: bpy.types.Object) -> None:
     """Give a renamed probe's pictures its new name; their files follow at the next bake."""
-    for level in probe.pcc_probe.levels:
-        name = f"PCC {probe.name} {level.roughness:.4f}"
-        image = _existing(probe, level.roughness)
-        if image is not None and not image.name.startswith(name):
-            image.name = name
+    names = {level.image: _image_name(probe, level.roughness) for level in probe.pcc_probe.levels if level.image}
+    if all(image.name.startswith(name) for image, name in names.items()):
+        return
+    for image in _own_images(probe).values():
+        if not image.name.startswith(names[image]):
+            image.name = names[image]
 
 
-def _image_name(probe: bpy.types.Object, level: sidecar.Level) -> str:
-    return f"PCC {probe.name} {level.roughness:.4f}"
+def _image_name(probe: bpy.types.Object, roughness: float) -> str:
+    return f"PCC {probe.name} {roughness:.4f}"
 
 
-def _linked(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
-    old = _existing(probe, level.roughness)
+def _linked(path: Path, old: bpy.types.Image | None, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
     if old is not None and not old.packed_file and Path(bpy.path.abspath(old.filepath)).resolve() == path:
         old.reload()
         return _named(old, probe, level)
     return _in_place_of(old, pictures.load(path), probe, level)
 
 
-def _packed(path: Path, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
+def _packed(path: Path, old: bpy.types.Image | None, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
     image = pictures.load(path)
     image.pack()
-    return _in_place_of(_existing(probe, level.roughness), image, probe, level)
+    return _in_place_of(old, image, probe, level)
 
 
 def _in_place_of(
@@ -221,7 +236,7 @@ def _in_place_of(
 
 
 def _named(image: bpy.types.Image, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
-    image.name = _image_name(probe, level)
+    image.name = _image_name(probe, level.roughness)
     return image
 
 
