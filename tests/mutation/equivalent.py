@@ -19,6 +19,10 @@ _ROUGHNESSES = (
 _WEIGHT = "weight = weight * np.where(roughness <= _IMPORTANT, 1.0, 0.2)"
 _MEANS = "return (tuple(float(k) for k in np.linalg.lstsq(basis, 1.0 - means, rcond=None)[0]),)"
 _INNER = "if inner is not None and index < len(inner.inputs):"
+_ENGINES = 'for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=False):'
+_SAMPLING = 'if material.cycles.emission_sampling == "NONE":'
+_SAME_OUTPUTS = "if tree is None or before in (None, probe_group.outputs(tree)):"
+_SHOWN = "if material.node_tree and tree in shown_probe_groups(material):"
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -40,5 +44,12 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     (
         "blender/read/materials.py", _INNER, "index < len(inner.inputs)", "index <= len(inner.inputs)",
     ): "an output node has one input more than its group has outputs",
+    ("blender/shade/twin.py", _ENGINES, "strict=False", ""): "the default",
+    ("blender/shade/twin.py", _SAMPLING, "'NONE'", "'NONE?'"): "what is noted is what is set",
+    ("blender/shade/live.py", _SAME_OUTPUTS, "None", ""): "before its first group nothing shows a probe",
+    (
+        "blender/shade/live.py", _SHOWN, "material.node_tree and tree in shown_probe_groups(material)",
+        "material.node_tree or tree in shown_probe_groups(material)",
+    ): "those without twins are passed over",
 }  # fmt: skip
 """Why, by module, source line without its indentation, what was replaced, and by what."""
