@@ -23,6 +23,7 @@ from pcc_addon.blender.shade.twin_order import TwinOrder
 from pcc_addon.core.effects.roughness import neighbours
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.plan import plan_surfaces
+from pcc_addon.core.probe import Receivers
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import pretend_bake, put_in, small_probe
 from tests.blender.materials import (
@@ -130,11 +131,16 @@ def test_our_nodes_lie_below_the_original_and_none_is_selected(probe) -> None:
 
 
 def test_the_output_is_named_in_force_and_takes_the_rest_along(probe) -> None:
-    material = injected(displaced_and_volumetric())
+    material = displaced_and_volumetric()
+    own = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
+    both = material.node_tree.nodes.new("ShaderNodeAddShader")
+    link(material, own.inputs["Volume"].links[0].from_socket, both.inputs[0])
+    link(material, both.outputs[0], own.inputs["Volume"])
+    injected(material)
     [output] = ours(material, "ShaderNodeOutputMaterial")
     assert output.is_active_output and output.label == "Parallax Probe" and output.name == "PCC Material Output"
     assert fed(output, "Displacement")[0].bl_idname == "ShaderNodeDisplacement"
-    assert fed(output, "Volume")[0].bl_idname == "ShaderNodeVolumeScatter"
+    assert fed(output, "Volume")[0] == both, "a volume is no surface and has no twin"
 
 
 def test_textures_go_to_the_reflection_and_normals_to_the_lookup(probe) -> None:
@@ -346,3 +352,34 @@ def test_a_material_that_shows_the_probe_already_keeps_its_nodes(probe) -> None:
     put_in()
     [lit] = called(material, "Reflectance")
     assert lit.inputs["Roughness"].default_value == 0.5
+
+
+def test_formula_groups_are_shared_and_go_when_nothing_uses_them(probe) -> None:
+    injected(rough()), injected(rough())
+    roles = [str(marks.role(tree)) for tree in bpy.data.node_groups]
+    assert "None" not in roles and len(set(roles)) == len(roles)
+    lights = {role for role in roles if role.startswith(("formula: Surface", "formula: Levels"))}
+    assert lights
+    remove()
+    assert not lights & {marks.role(tree) for tree in bpy.data.node_groups}
+
+
+def test_a_probe_that_fades_otherwise_fades_so_in_every_twin(probe) -> None:
+    small = small_probe("Alcove", half_extents=(1.0, 1.0, 0.75))
+    pretend_bake(small)
+    material = injected(shiny())
+    for falloff in (0.125, 0.5):
+        small.pcc_probe.falloff = falloff
+        put_in()
+        [step] = called(material, "Next Probe")
+        assert step.inputs["Fade"].default_value == pytest.approx(falloff)
+
+
+def test_a_weight_that_a_probe_newly_gives_reaches_the_twins_that_show_it(probe) -> None:
+    material = injected(shiny())
+    assert not called(material, "Own Lobe")
+    live.refresh_probe(probe, 0.6, Receivers())
+    [own] = called(material, "Own Lobe")
+    assert fed(own, "Coverage")[1] == "Weight"
+    live.refresh_probe(probe, 0.6, Receivers(all_inside=True, seen_from_outside=False))
+    assert not called(material, "Own Lobe")

@@ -57,7 +57,7 @@ def check_refused(material: Material, reason: str) -> None:
 def test_a_material_without_nodes_is_left_alone_and_named(probe) -> None:
     material = bpy.data.materials.new("No Nodes")
     show(material)
-    check_refused(material, "uses no nodes")
+    check_refused(material, "uses no nodes: switch Use Nodes on; left as it is")
 
 
 @pytest.mark.parametrize("reason", REFUSED)

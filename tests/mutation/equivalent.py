@@ -11,6 +11,18 @@ _SHARED_DEPTH = "box = Correction.ORIENTED_BOX if effects.correction is Correcti
 _NONE_LEFT = "return replace(shading, reflectance=single, left=shading.left * 0.0)"
 _CRITICAL = "return np.where(g2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)"
 _GRAZING = 'cosine = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))'
+_COSINES = "_COSINES = np.concatenate([[0.0002, 0.001, 0.002, 0.004, 0.008], 0.5 - 0.5 * np.cos(_ANGLES), [1.0]])"
+_ROUGHNESSES = (
+    "_ROUGHNESSES = np.array("
+    "[0.01, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.7, 0.85, 1.0])"
+)
+_WEIGHT = "weight = weight * np.where(roughness <= _IMPORTANT, 1.0, 0.2)"
+_MEANS = "return (tuple(float(k) for k in np.linalg.lstsq(basis, 1.0 - means, rcond=None)[0]),)"
+_INNER = "if inner is not None and index < len(inner.inputs):"
+_ENGINES = 'for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=False):'
+_SAMPLING = 'if material.cycles.emission_sampling == "NONE":'
+_SAME_OUTPUTS = "if tree is None or before in (None, probe_group.outputs(tree)):"
+_SHOWN = "if material.node_tree and tree in shown_probe_groups(material):"
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -25,5 +37,19 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/effects/glossy.py", _NONE_LEFT, "shading.left * 0.0", "shading.left / 0.0"): "nodes divide by 0 to 0",
     ("core/effects/fresnel.py", _CRITICAL, "g2 > 0.0", "g2 >= 0.0"): "at the critical angle both are 1",
     ("core/effects/surface.py", _GRAZING, "1e-12", "1.5e-12"): "as good as 0",
+    ("core/effects/lobe.py", _COSINES, "0.002", "0.003"): "one of many points of a fit",
+    ("core/effects/lobe.py", _ROUGHNESSES, "0.16", ""): "one of many points of a fit",
+    ("core/effects/lobe.py", _WEIGHT, "roughness <= _IMPORTANT", "roughness < _IMPORTANT"): "no point lies on it",
+    ("core/effects/lobe.py", _MEANS, "rcond=None", ""): "NumPy's own default",
+    (
+        "blender/read/materials.py", _INNER, "index < len(inner.inputs)", "index <= len(inner.inputs)",
+    ): "an output node has one input more than its group has outputs",
+    ("blender/shade/twin.py", _ENGINES, "strict=False", ""): "the default",
+    ("blender/shade/twin.py", _SAMPLING, "'NONE'", "'NONE?'"): "what is noted is what is set",
+    ("blender/shade/live.py", _SAME_OUTPUTS, "None", ""): "before its first group nothing shows a probe",
+    (
+        "blender/shade/live.py", _SHOWN, "material.node_tree and tree in shown_probe_groups(material)",
+        "material.node_tree or tree in shown_probe_groups(material)",
+    ): "those without twins are passed over",
 }  # fmt: skip
 """Why, by module, source line without its indentation, what was replaced, and by what."""
