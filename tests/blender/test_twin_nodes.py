@@ -314,7 +314,7 @@ def test_groups_are_copied_for_the_material_and_go_with_its_twins(probe) -> None
 
 def test_removing_says_whether_there_was_something(probe) -> None:
     material = shiny()
-    assert not has_twins(material) and not remove_twins(material) and not is_torn(material)
+    assert not has_twins(material) and remove_twins(material) is False and not is_torn(material)
     injected(material)
     assert has_twins(material) and remove_twins(material)
     assert not has_twins(material) and not remove_twins(material)
