@@ -49,6 +49,7 @@ POSES = {
 }
 MIRRORS = [("floor", 0.0), ("floor", 0.5), ("wall", 0.5)]  # on which face, and how far beyond its edges, metres
 FADES = [(0.01, 0.25), (0.01, 0.0), (0.0, 0.0)]  # padding and falloff, metres
+SHOWN = (Outside.UNCORRECTED, Outside.BLACK)  # what a probe shows by itself; a surface's own lobe is the renderer's
 EDGE = {"padding": 0.0, "falloff": 0.0, "outside": Outside.BLACK.value}
 SEAMS = {
     "-X meridian": (-1.0, 0.0, 0.1),
@@ -186,7 +187,7 @@ def test_a_mirror_on_a_face_of_the_box_is_inside_and_still(
 
 @pytest.mark.parametrize(
     ("engine", "outside", "padding", "falloff"),
-    _cases([(o, *fade) for o in Outside for fade in FADES], [(o, *fade) for o in Outside for fade in FADES[::2]]),
+    _cases([(o, *fade) for o in SHOWN for fade in FADES], [(o, *fade) for o in SHOWN for fade in FADES[::2]]),
 )
 def test_across_the_boundary_the_picture_changes_as_the_fade_says(
     scene: bpy.types.Scene,
@@ -260,6 +261,7 @@ def test_a_strong_normal_map_on_the_floor_has_no_speckle(
 ) -> None:
     stage = Stage(*POSES["turned"], **EDGE)
     _add_face(stage, 2, -1.0)
+    bpy.data.materials["Mirror"].cycles.use_bump_map_correction = False  # reflections may go below the floor
     tree = bpy.data.materials["Mirror"].node_tree
     tree.links.new(_bumps(tree), principled_node(bpy.data.materials["Mirror"]).inputs["Normal"])
     stage.look((-2.0, -1.4, -0.1), (-0.9, -0.5, -1.25), 22.0)

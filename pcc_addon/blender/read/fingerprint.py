@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from dataclasses import fields
+from enum import Enum
 from typing import Any
 
 import bpy
@@ -61,8 +62,9 @@ class SceneFingerprint:
     def content_hash(self, probe: ProbeSpec) -> str:
         """A hexadecimal SHA-256 of all that the probe's pictures depend on."""
         digest = hashlib.sha256(self._setting.encode())
-        settings = [getattr(probe, name) for name in _CAPTURED]
-        digest.update(repr([np.float32(probe.capture_point).tolist(), *settings]).encode())
+        settings = (getattr(probe, name) for name in _CAPTURED)
+        plain = [setting.value if isinstance(setting, Enum) else setting for setting in settings]
+        digest.update(repr((tuple(np.float32(probe.capture_point).tolist()), *plain)).encode())
         for name in sorted(self._objects):
             if name not in probe.hidden:
                 digest.update(self._objects[name])
