@@ -105,7 +105,8 @@ def test_the_reflection_is_of_the_radiance_between_two_levels_of_the_probe(probe
     assert fed(between, "Level 0") == (shown, f"Level {low}") and fed(between, "Level 1") == (shown, f"Level {high}")
     assert f"{LADDER[low]:.3g} {LADDER[high]:.3g}" in between.label
     assert shown.node_tree == probe.pcc_probe.group and shown_probe_groups(material) == (probe.pcc_probe.group,)
-    for node, name in ((shown, "Normal"), (lit, "Normal"), (lit, "Incoming")):
+    mirror, _ = fed(shown, "Direction")
+    for node, name in ((mirror, "Normal"), (mirror, "Incoming"), (lit, "Normal"), (lit, "Incoming")):
         geometry, output = fed(node, name)
         assert (geometry.bl_idname, output) == ("ShaderNodeNewGeometry", name)
     assert len(ours(material, "ShaderNodeNewGeometry")) == 1
@@ -156,7 +157,8 @@ def test_textures_go_to_the_reflection_and_normals_to_the_lookup(probe) -> None:
     [bent] = called(bumpy, "Valid Normal")
     for node in (bent, *ours(bumpy, "ShaderNodeBsdfPrincipled")):
         assert fed(node, "Normal")[0].bl_idname == "ShaderNodeNormalMap"
-    assert fed(lit, "Normal")[0] == fed(shown, "Normal")[0] == bent
+    mirror, _ = fed(shown, "Direction")
+    assert fed(lit, "Normal")[0] == fed(mirror, "Normal")[0] == bent
 
 
 def test_what_is_seen_through_reflects_less(probe) -> None:

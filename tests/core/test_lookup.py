@@ -19,6 +19,7 @@ ALL = [
     )
 ]
 CORRECTED = [c for c in Correction if c is not Correction.NONE]
+MIRRORED = {"Direction": lookup.MIRRORED}
 UP, DOWN = (1.0, 0.5, 0.25), (0.125, 2.0, 4.0)
 SKY = np.concatenate([np.full((4, 16, 3), DOWN), np.full((4, 16, 3), UP)]).astype(np.float32)
 AT = {
@@ -48,7 +49,7 @@ def test_titles_say_what_is_done() -> None:
 
 def shown(effects: LookupEffects, x: float, *, shares: bool = False) -> dict[str, np.ndarray]:
     """What a probe shows at a point on the x axis, of a surface that looks up and reflects the upper half."""
-    formula = lookup.probe(effects, {"Sharp": 8, "Blurred": 8}, shares=shares)
+    formula = lookup.probe(effects, {"Sharp": 8, "Blurred": 8}, MIRRORED, shares=shares)
     inputs = {**AT, "Position": np.array([[x, 0.0, 0.0]])}
     return evaluate(formula.outputs, inputs, pictures={"Sharp": SKY, "Blurred": 2.0 * SKY})
 
@@ -89,7 +90,9 @@ def test_a_probe_that_shares_says_how_deep_a_point_lies(correction: Correction) 
 
 
 def test_values_that_are_known_are_no_inputs() -> None:
-    formula = lookup.probe(LookupEffects(Correction.ALIGNED_BOX, Outside.OWN), {"Sharp": 8}, {"Padding": 0.5})
+    formula = lookup.probe(
+        LookupEffects(Correction.ALIGNED_BOX, Outside.OWN), {"Sharp": 8}, {**MIRRORED, "Padding": 0.5}
+    )
     assert "Padding" not in formula.inputs and "Falloff" in formula.inputs
     found = evaluate(formula.outputs, {**AT, "Position": np.array([2.5, 0.0, 0.0])}, pictures={"Sharp": SKY})
     assert found["Weight"] == 1.0, "half a metre out lies within the padding"

@@ -68,7 +68,7 @@ def test_it_passes_the_published_vectors(driver: None) -> None:
         "Half Widths": column["half_widths"],
         "Capture Point": column["capture_point"],
     }
-    formula = lookup.lookup_formula(LookupEffects(Correction.ORIENTED_BOX, None, True))
+    formula = Formula("Reflection lookup", lookup.lookup(LookupEffects(Correction.ORIENTED_BOX, None, True)))
     found = run(formula, inputs)["Direction"].astype(np.float64)
     assert (angle(found, column["direction"]) <= column["tolerance"]).all()
 
@@ -93,7 +93,7 @@ def points(count: int) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("outside", [*Outside, None])
 def test_a_probe_shows_the_radiance_that_numpy_reads_from_its_pictures(driver: None, outside: Outside | None) -> None:
     effects = LookupEffects(Correction.ORIENTED_BOX, outside, True)
-    formula = lookup.probe(effects, {"Level 0": 64}, shares=True)
+    formula = lookup.probe(effects, {"Level 0": 64}, {"Direction": lookup.MIRRORED}, shares=True)
     rows, columns = np.mgrid[0:64, 0:128]
     smooth = np.stack([np.sin(columns * np.pi / 32.0), np.cos(rows * np.pi / 64.0), rows / 64.0], -1) + 1.0
     pictures = {"Level 0": smooth.astype(np.float32)}

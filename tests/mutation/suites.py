@@ -63,6 +63,8 @@ SUITES: dict[str, tuple[str, ...]] = {
     "blender/shade/node_builder.py": ("tests/blender/test_node_builder.py",),
     "blender/shade/probe_group.py": _GROUPS,
     "blender/shade/twin.py": (*_TWINS, "tests/blender/test_twin_tampered.py"),
+    "blender/shade/sketch.py": _TWINS,
+    "blender/shade/surface_builder.py": _TWINS,
     "blender/shade/twin_builder.py": _TWINS,
     "blender/status.py": ("tests/blender/test_bake_stale.py",),
     "blender/store/levels.py": ("tests/blender/test_levels.py",),

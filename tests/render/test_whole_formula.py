@@ -32,6 +32,7 @@ def whole(probe: bpy.types.Object, roughness: float, receivers: Receivers) -> Fo
     rungs = [level.roughness for level in record.levels]
     levels = neighbours(rungs, roughness, roughness)
     known = {
+        "Direction": lookup.MIRRORED,
         "Capture Point": record.capture_point,
         "Padding": spec.influence_padding,
         "Falloff": spec.influence_falloff,

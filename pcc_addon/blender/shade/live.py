@@ -14,8 +14,8 @@ from ..read.fingerprint import node_lines
 from ..read.materials import read_material
 from . import probe_group
 from .probe_group import probe_of, shown_probe
+from .sketch import OF, VALUES, repeat_value
 from .twin import add_twins, has_twins, is_torn, remove_twins, shown_probe_groups
-from .twin_builder import OF, VALUES, repeat_value
 from .twin_order import TwinOrder
 
 _SIGNATURE = "signature"  # note on a material: what its twins were built from

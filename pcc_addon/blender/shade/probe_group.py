@@ -17,7 +17,7 @@ from .groups import formula_group
 from .node_builder import Surroundings, emit
 from .twin_order import ShownProbe
 
-VERSION = 4
+VERSION = 5
 ROLE = "probe"
 UNKNOWN_RECEIVERS = Receivers()
 _BUILT_FOR = "built_for"  # the probe's matrix and drawn size when its group was built
@@ -161,5 +161,4 @@ def _given(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> dict[str,
             node.parent = frames[0]
         return socket
 
-    given = {name: partial(geometry, name) for name in ("Position", "Incoming")}
-    return {**given, **{name: partial(driven, name) for name in DRIVEN}}
+    return {"Position": partial(geometry, "Position"), **{name: partial(driven, name) for name in DRIVEN}}

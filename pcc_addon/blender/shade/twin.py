@@ -13,7 +13,8 @@ import bpy
 
 from .. import marks
 from ..read.nodes import Scope, outputs, own_outputs, source
-from .twin_builder import GLOW, PROBE, TwinBuilder
+from .surface_builder import GLOW, PROBE
+from .twin_builder import TwinBuilder
 from .twin_order import TwinOrder
 
 _OUTPUT = "output"  # role of a twin's output node
@@ -27,7 +28,7 @@ def add_twins(material: bpy.types.Material, order: TwinOrder) -> None:
     before = tuple(marks.OriginalOutput(o.name, own.index(o), o.target, o.is_active_output) for o in originals)
     for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=False):
         builder = TwinBuilder(tree, Scope(tree), order, material.name)
-        twin = builder.new("ShaderNodeOutputMaterial", original, right=1000.0)
+        twin = builder.sketch.new("ShaderNodeOutputMaterial", original, right=1000.0)
         marks.tag(twin, _OUTPUT)
         twin.name = f"PCC {original.name}"
         twin.label = "Parallax Probe"

@@ -50,6 +50,7 @@ FAR = 1e6
 POSITION = vector("Position")
 INCOMING = vector("Incoming")  # unit, from the surface to the eye, as Blender's Geometry node gives it
 NORMAL = vector("Normal")  # unit
+DIRECTION = vector("Direction")  # unit, of the ray that leaves the surface
 CENTRE = vector("Box Centre")
 NORMAL_X, NORMAL_Y, NORMAL_Z = vector("Face Normal X"), vector("Face Normal Y"), vector("Face Normal Z")
 TURN_MIRROR = vector("Turn Mirror")  # unit, horizontal: the mirror in its plane takes the box's axes to the world's
@@ -58,7 +59,6 @@ CAPTURE_POINT = vector("Capture Point")
 PADDING = scalar("Padding")
 FALLOFF = scalar("Falloff")  # above 0: `ProbeSpec.influence_falloff`
 BOUNDARY = scalar("Boundary")  # metres that positions on a wall may be off by rounding: `ProbeSpec.boundary`
-DIRECTION = vector("Direction")
 STEEPEST = scalar("Steepest")
 
 
@@ -75,28 +75,34 @@ def along_face_normals(correction: Correction, v: Expr) -> Expr:
     return combine(dot(NORMAL_X, v), dot(NORMAL_Y, v), dot(NORMAL_Z, v))
 
 
-def nearness(q: Expr, back: Expr) -> Expr:
+MIRRORED = Section("Reflected ray", reflect(INCOMING, NORMAL) * -1.0)  # incoming points to the eye
+MIRROR = Formula("Mirror", {"Direction": MIRRORED})
+"""The direction in which a mirror sends the view."""
+
+
+def nearness(to_centre: Expr, d: Expr) -> Expr:
     """The reciprocal of how far along a ray from inside its exit from the box lies, in 1/metres; never negative.
 
-    `q` and `back` are the origin and the reversed unit direction along the face normals. Each axis has one plane
-    ahead, on the side of −sign(back), at the distance (h + q·sign(back)) / |back|. Its reciprocal is 0 for a parallel
-    ray and large, not infinite, for a point on the wall that looks out of it.
+    Given are the way from the origin to the box's centre and the unit direction, both along the face normals. Each axis
+    has one plane ahead, on the side of sign(d), at the distance (h + to_centre·sign(d)) / |d|. Its reciprocal is 0 for
+    a parallel ray and large, not infinite, for a point on the wall that looks out of it.
     """
-    return greatest(absolute(back) / maximum(multiply_add(q, sign(back), HALF_WIDTHS), ON_WALL))
+    return greatest(absolute(d) / maximum(multiply_add(to_centre, sign(d), HALF_WIDTHS), ON_WALL))
 
 
-def depth(q: Expr, normal: Expr | None = None) -> Expr:
+def depth(to_centre: Expr, normal: Expr | None = None) -> Expr:
     """How far a point lies below the nearest of the box's walls and their padding, metres; negative outside.
 
-    With a normal along the face normals, surfaces that lie on a wall or beyond it and face away from the box, such as
-    the outer side of a house's wall, count as far outside. Half of the way to facing away is still inside, so that a
-    bumpy floor under a doorway stays what it is.
+    Given is the way from the point to the box's centre, along the face normals. With a normal along the face normals,
+    surfaces that lie on a wall or beyond it and face away from the box, such as the outer side of a house's wall, count
+    as far outside. Half of the way to facing away is still inside, so that a bumpy floor under a doorway stays what it
+    is.
     """
-    beyond = absolute(q) - HALF_WIDTHS
+    beyond = absolute(to_centre) - HALF_WIDTHS
     below = PADDING - greatest(beyond)
     if normal is None:
         return below
-    facing_away = maximum(multiply_add(normal, sign(q), -0.5), 0.0)
+    facing_away = maximum(multiply_add(normal * -1.0, sign(to_centre), -0.5), 0.0)
     on_wall = clamp(beyond / BOUNDARY + 2.0)  # 1 from one boundary's width below the wall on
     return below - greatest(facing_away * on_wall) * FAR
 
@@ -107,29 +113,32 @@ def faded(below: Expr, falloff: Expr) -> Expr:
     return linear * linear * (3.0 - 2.0 * linear)
 
 
-def lookup(effects: LookupEffects) -> dict[str, Expr]:
-    """Where to look in the probe's picture.
+def lookup(effects: LookupEffects, direction: Expr = MIRRORED) -> dict[str, Expr]:
+    """Where to look in the probe's picture for what a ray from a surface meets.
+
+    Args:
+        effects: what is computed.
+        direction: of the ray, world space, unit; by default the reflected view.
 
     Returns:
         "Direction": world-space vector, not normalised; "Weight": how much of the surface the probe has, 0 … 1.
     """
-    back = Section("Reflected ray, reversed", reflect(INCOMING, NORMAL))  # incoming points to the eye
     if effects.correction is Correction.NONE:
-        return {"Direction": back * -1.0, "Weight": lift(1.0)}
-    from_centre = POSITION - CENTRE
-    from_capture = POSITION - CAPTURE_POINT if effects.offset else from_centre
-    q = Section("Along the box's axes", along_face_normals(effects.correction, from_centre))
-    d = Section("Along the box's axes", along_face_normals(effects.correction, back))
+        return {"Direction": direction, "Weight": lift(1.0)}
+    to_centre = CENTRE - POSITION
+    to_capture = CAPTURE_POINT - POSITION if effects.offset else to_centre
+    q = Section("Along the box's axes", along_face_normals(effects.correction, to_centre))
+    d = Section("Along the box's axes", along_face_normals(effects.correction, direction))
     near = Section("Exit from the box", nearness(q, d))
-    # (hit − B) / t with hit = P − t·back; its length does not count
-    corrected = Section("Direction from the capture point", from_capture * near - back)
+    # (hit − B) / t with hit = P + t·direction; its length does not count
+    corrected = Section("Direction from the capture point", direction - to_capture * near)
     if effects.outside is None:
         return {"Direction": corrected, "Weight": lift(1.0)}
     normal = along_face_normals(effects.correction, NORMAL) if effects.facing else None
     weight = Section("Influence", faded(depth(q, normal), FALLOFF))
     if effects.outside is not Outside.UNCORRECTED:
         return {"Direction": corrected, "Weight": weight}
-    turned = Section("Influence", mix(back * -1.0, normalize(corrected), weight))
+    turned = Section("Influence", mix(direction, normalize(corrected), weight))
     return {"Direction": turned, "Weight": lift(1.0)}
 
 
@@ -169,14 +178,14 @@ def read_picture(picture: str, height: int, direction: Expr) -> Expr:
 @cache
 def depth_formula(correction: Correction) -> Formula:
     """`depth` of a surface that has neighbours in other boxes."""
-    q, normal = (along_face_normals(correction, v) for v in (POSITION - CENTRE, NORMAL))
+    q, normal = (along_face_normals(correction, v) for v in (CENTRE - POSITION, NORMAL))
     return Formula(f"Depth, {correction.words}", {"Depth": depth(q, normal)})
 
 
 @cache
 def lookup_formula(effects: LookupEffects) -> Formula:
-    """`lookup`, to be shared by all probes with these effects."""
-    return Formula(f"Lookup, {effects.label}", lookup(effects))
+    """`lookup` along the input "Direction", to be shared by all probes with these effects."""
+    return Formula(f"Lookup, {effects.label}", lookup(effects, DIRECTION))
 
 
 def probe(
@@ -186,7 +195,7 @@ def probe(
     *,
     shares: bool = False,
 ) -> Formula:
-    """What a probe shows at a point: from the point to its radiance.
+    """What a probe shows along a ray from a point, the input "Direction": from the point to the radiance.
 
     Args:
         effects: of the lookup.

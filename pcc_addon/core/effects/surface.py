@@ -14,9 +14,25 @@ from ..expression import Expr, Formula, Section, clamp, dot, lift
 from ..readings import SurfaceReading
 from .kinds import KINDS, SurfaceEffect
 from .lobe import Lobe
-from .lookup import INCOMING, NORMAL
+from .lookup import INCOMING, MIRROR, NORMAL
 from .multiscatter import Multiscatter
 from .shading import BASE_COLOR, RADIANCE, ROUGHNESS, Shading
+
+
+@dataclass(frozen=True)
+class Ray:
+    """A ray from a surface that a probe is looked up along.
+
+    Attributes:
+        formula: its direction.
+        radiance: the input of a surface's formula that gets what the probe shows there.
+    """
+
+    formula: Formula
+    radiance: str
+
+
+REFLECTED = Ray(MIRROR, "Radiance")
 
 
 @dataclass(frozen=True)
@@ -35,6 +51,11 @@ class SurfaceEffects:
     def label(self) -> str:
         """A short name, unique for the record, for the node group's title."""
         return ", ".join(effect.label for effect in self.effects)
+
+    @property
+    def rays(self) -> tuple[Ray, ...]:
+        """Along which it looks probes up."""
+        return (REFLECTED,)
 
 
 def surface_effects(surface: SurfaceReading) -> SurfaceEffects | None:

@@ -1,0 +1,243 @@
+"""Builds the twin of one surface: its BSDF without the lobes that probes show, plus what they show instead.
+
+From left to right: the rays that leave the surface, a probe's radiance along each, the share of each probe, how much
+of the radiance reaches the eye, and the shader that emits it, over or beside the user's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import bpy
+
+from ...core.effects import choice
+from ...core.effects.normal import VALID_NORMAL
+from ...core.effects.roughness import level_name, mixed_formula, neighbours
+from ...core.expression import Formula
+from ...core.plan import SurfacePlan
+from .. import marks
+from ..read.nodes import is_given, source
+from . import groups
+from .sketch import Sketch, forget_value
+from .twin_order import ShownProbe
+
+PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for later
+_FROM_THE_PROBE = frozenset({"Base Color", "Metallic", "Specular IOR Level"})  # not copied into the diffuse part
+_ShaderOf = Callable[[bpy.types.Node, int], bpy.types.NodeSocket]
+
+
+class SurfaceBuilder:
+    """Builds the twin of one BSDF."""
+
+    def __init__(self, sketch: Sketch, node: bpy.types.Node, plan: SurfacePlan, probes: Sequence[ShownProbe]) -> None:
+        self.sketch, self.node, self.plan, self.probes = sketch, node, plan, probes
+        self._known: dict[str, bpy.types.NodeSocket] = {}
+
+    def build(self) -> bpy.types.NodeSocket:
+        """The shader's output; without probes the diffuse part alone, as captures need it."""
+        lit = self._lit(0)
+        base = self._base(lit) if self.plan.effects.leaves_base else None
+        if not self.probes:
+            return base or self._nothing()
+        if self.plan.layered:
+            reflection, coverage = self._reflections(lit, self._under_layers)
+            seen = self._mix(680.0, 0, 1.0, base, reflection)
+            marks.tag(seen.node, GLOW)
+        else:
+            seen, coverage = self._reflections(lit, self._glow)
+            if base is not None:
+                total = self._new("ShaderNodeAddShader", right=680.0)
+                self.sketch.link(base, total.inputs[0])
+                self.sketch.link(seen, total.inputs[1])
+                seen = total.outputs[0]
+        return self._over_own_lobe(seen, coverage)
+
+    def _nothing(self) -> bpy.types.NodeSocket:
+        """A shader that is black."""
+        black = self._new("ShaderNodeEmission")
+        black.inputs["Strength"].default_value = 0.0
+        return black.outputs[0]
+
+    def _base(self, lit: bpy.types.Node, *, layers: bool = False) -> bpy.types.NodeSocket:
+        """The shader of what a Principled surface has beside its lobe; without coat, which shows in no capture."""
+        base = self.sketch.copy(self.node)
+        without = _FROM_THE_PROBE if layers or not self.plan.layered else _FROM_THE_PROBE | {"Coat Weight"}
+        self.sketch.repeat_all(self.node, base, without)
+        for name in without - {"Base Color"}:
+            base.inputs[name].default_value = 0.0
+        self.sketch.link(lit.outputs["Diffuse Color"], base.inputs["Base Color"])
+        return base.outputs[0]
+
+    def _glow(self, lit: bpy.types.Node, row: int) -> bpy.types.NodeSocket:
+        """The shader of a reflection with nothing over it."""
+        glow = self._new("ShaderNodeEmission", right=280.0, row=row)
+        marks.tag(glow, GLOW)
+        self.sketch.link(lit.outputs["Reflection"], glow.inputs["Color"])
+        if "Alpha" in self.node.inputs:
+            self.sketch.repeat(self.node.inputs["Alpha"], glow.inputs["Strength"])
+        return glow.outputs[0]
+
+    def _under_layers(self, lit: bpy.types.Node, row: int) -> bpy.types.NodeSocket:
+        """The shader of a whole surface that emits the reflection: coat and sheen dim it as they dim its own light."""
+        whole = self._base(lit, layers=True)
+        add = self._new("ShaderNodeVectorMath", right=-240.0, row=row + 0.625)
+        add.operation = "MULTIPLY_ADD"
+        self.sketch.repeat(self.node.inputs["Emission Color"], add.inputs[0])
+        self.sketch.repeat(self.node.inputs["Emission Strength"], add.inputs[1])
+        self.sketch.link(lit.outputs["Reflection"], add.inputs[2])
+        strength = whole.node.inputs["Emission Strength"]
+        self.sketch.link(add.outputs[0], whole.node.inputs["Emission Color"])
+        for link in strength.links:
+            self.sketch.tree.links.remove(link)
+        forget_value(strength)
+        strength.default_value = 1.0
+        return whole
+
+    def _mix(
+        self,
+        right: float,
+        row: int,
+        share: bpy.types.NodeSocket | float,
+        first: bpy.types.NodeSocket,
+        second: bpy.types.NodeSocket,
+    ) -> bpy.types.NodeSocket:
+        """The second shader over the first; muted, it is the first."""
+        mix = self._new("ShaderNodeMixShader", right=right, row=row)
+        self.sketch.give(mix.inputs[0], share)
+        self.sketch.link(first, mix.inputs[1])
+        self.sketch.link(second, mix.inputs[2])
+        return mix.outputs[0]
+
+    def _over_own_lobe(self, seen: bpy.types.NodeSocket, coverage: bpy.types.NodeSocket | None) -> bpy.types.NodeSocket:
+        """The probes' reflection where they cover the surface, the original elsewhere and for diffuse rays.
+
+        A path from a diffuse wall that finds a lamp's picture by chance is a firefly; with the original it is the
+        caustic that the renderer filters and clamps as ever. Walls then are lit as without the probe.
+        """
+        limit = self.plan.handed_over
+        path = self._new("ShaderNodeLightPath", right=680.0, row=0.625)
+        share = path.outputs["Is Diffuse Ray"]
+        if coverage is not None or limit is not None:
+            given = {"Diffuse Ray": share, "Coverage": 1.0 if coverage is None else coverage}
+            own = self._call(choice.own_share(limit), 880.0, 0, given)
+            if limit is not None:
+                self.sketch.repeat(self.node.inputs["Roughness"], own.inputs["Roughness"])
+            share = own.outputs["Share"]
+        mixed = self._mix(1080.0, 0, share, seen, self.node.outputs[0])
+        marks.tag(mixed.node, GLOW)
+        return mixed
+
+    def _lit(self, row: int) -> bpy.types.Node:
+        """The group node that makes what reaches the eye of the radiance along each ray."""
+        lit = self._new("ShaderNodeGroup", right=-240.0, row=row)
+        lit.node_tree = groups.surface_group(self.plan.effects)
+        lit.name, lit.label = f"PCC Surface of {self.node.name}", "Reflectance"
+        radiances = {ray.radiance for ray in self.plan.effects.rays}
+        for socket in lit.inputs:
+            if socket.name == "Normal":
+                self.sketch.link(self._normal(), socket)
+            elif socket.name == "Incoming":
+                self.sketch.link(self._geometry("Incoming"), socket)
+            elif socket.name not in radiances:
+                self.sketch.repeat(self.node.inputs[socket.name], socket)
+        return lit
+
+    def _reflections(
+        self, lit: bpy.types.Node, shader_of: _ShaderOf
+    ) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket | None]:
+        """The shader that emits what the probes show, each where it is the right one, and how much they cover.
+
+        A Mix Shader is skipped by Cycles on the side that has no share, so only the probes of the place are read.
+        """
+        shader = distance = coverage = None
+        for row, shown in enumerate(self.probes):
+            if row > 0:
+                lit = self._lit(row)
+            probe = self._light(lit, shown, row)
+            one, weight = shader_of(lit, row), probe.outputs.get("Weight")
+            if shader is None:
+                shader, coverage = one, weight
+                if len(self.probes) > 1:
+                    start = self._call(choice.START, -500.0, 0, {"Depth": probe.outputs["Depth"]})
+                    distance = start.outputs["Distance"]
+                continue
+            given = {
+                "Depth": probe.outputs["Depth"],
+                "Distance": distance,
+                "Coverage": 1.0 if coverage is None else coverage,  # a probe that has all of what is its share
+                "Weight": 1.0 if weight is None else weight,
+                "Fade": shown.fade,
+            }
+            step = self._call(choice.NEXT, -500.0, row, given)
+            shader = self._mix(480.0, row, step.outputs["Share"], shader, one)
+            coverage, distance = step.outputs["Coverage"], step.outputs["Distance"]
+        return shader, coverage
+
+    def _light(self, lit: bpy.types.Node, shown: ShownProbe, row: int) -> bpy.types.Node:
+        """Feed a surface by a probe along each of its rays; returns the probe's node of the first one."""
+        nodes = []
+        for k, ray in enumerate(self.plan.effects.rays):
+            probe = self._new("ShaderNodeGroup", right=-760.0, row=row + 0.5 * k)
+            probe.node_tree = shown.group
+            probe.name, probe.label = f"PCC Probe of {self.node.name}", shown.group.name
+            marks.tag(probe, PROBE)
+            self.sketch.link(self._direction(k), probe.inputs["Direction"])
+            if "Normal" in probe.inputs:
+                self.sketch.link(self._normal(), probe.inputs["Normal"])
+            self.sketch.link(self._radiance(shown, probe, row), lit.inputs[ray.radiance])
+            nodes.append(probe)
+        return nodes[0]
+
+    def _direction(self, k: int) -> bpy.types.NodeSocket:
+        """The direction of one of the surface's rays; made once."""
+        formula = self.plan.effects.rays[k].formula
+        if formula.title not in self._known:
+            call = self._call(formula, -1000.0, k)
+            for socket in call.inputs:
+                if socket.name == "Normal":
+                    self.sketch.link(self._normal(), socket)
+                else:
+                    self.sketch.link(self._geometry(socket.name), socket)
+            self._known[formula.title] = call.outputs["Direction"]
+        return self._known[formula.title]
+
+    def _radiance(self, shown: ShownProbe, probe: bpy.types.Node, row: int) -> bpy.types.NodeSocket:
+        """What a probe shows at the surface's roughness."""
+        levels = neighbours(shown.rungs, *self.plan.roughness)
+        if len(levels) == 1:
+            return probe.outputs[level_name(levels[0])]
+        formula = mixed_formula(tuple(shown.rungs[k] for k in levels))
+        given = {level_name(i): probe.outputs[level_name(k)] for i, k in enumerate(levels)}
+        mixed = self._call(formula, -500.0, row, given)
+        self.sketch.repeat(self.node.inputs["Roughness"], mixed.inputs["Roughness"])
+        return mixed.outputs["Radiance"]
+
+    def _normal(self) -> bpy.types.NodeSocket:
+        """The normal that the surface mirrors by; made once."""
+        if "Normal" not in self._known:
+            self._known["Normal"] = self._made_normal()
+        return self._known["Normal"]
+
+    def _made_normal(self) -> bpy.types.NodeSocket:
+        if not is_given(self.node.inputs["Normal"], self.sketch.scope):
+            return self._geometry("Normal")
+        feeding = source(self.node.inputs["Normal"])
+        if not self.plan.bends_normals:
+            return feeding
+        given = {"Normal": feeding, **{name: self._geometry(name) for name in ("True Normal", "Incoming")}}
+        return self._call(VALID_NORMAL, -1240.0, 0, given).outputs["Normal"]
+
+    def _geometry(self, output: str) -> bpy.types.NodeSocket:
+        return self.sketch.geometry(output, self.node)
+
+    def _new(self, kind: str, right: float = 0.0, row: float = 0.0) -> bpy.types.Node:
+        return self.sketch.new(kind, self.node, right, row)
+
+    def _call(
+        self,
+        formula: Formula,
+        right: float,
+        row: float,
+        given: Mapping[str, bpy.types.NodeSocket | float] | None = None,
+    ) -> bpy.types.Node:
+        return self.sketch.call(formula, self.node, right, row, given)
