@@ -58,6 +58,19 @@ def lobe_samples(cosine: float, roughness: float, grid: int = 96) -> tuple[np.nd
     return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
 
 
+def transmitted_samples(cosine: float, roughness: float, eta: float, grid: int = 96) -> tuple[np.ndarray, np.ndarray]:
+    """`lobe_samples` for light that the microfacets bend to the other side, by an index of refraction `eta`."""
+    alpha = roughness * roughness
+    view = np.array([np.sqrt(1.0 - cosine * cosine), 0.0, cosine])
+    half = _visible_normals(cosine, alpha, grid)
+    view_half = np.clip(half @ view, 0.0, 1.0)
+    root = 1.0 - (1.0 - view_half**2) / eta**2  # negative under total internal reflection
+    light_cosine = cosine / eta - (view_half / eta - np.sqrt(np.maximum(root, 0.0))) * half[:, 2]
+    lambda_view, lambda_light = _smith_lambda(cosine, alpha), _smith_lambda(light_cosine, alpha)
+    passes = (root > 0.0) & (light_cosine > 0.0)
+    return view_half, np.where(passes, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
+
+
 def directional_averages(cosines: np.ndarray, roughness: float, curves: Sequence[Curve], grid: int = 96) -> np.ndarray:
     """∫ f(v·h) dE over a GGX lobe with F = f, by the cosine of the view direction.
 

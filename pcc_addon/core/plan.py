@@ -11,10 +11,12 @@ from .belonging import Belongings, belongings
 from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of
 from .effects.records import LookupEffects
 from .effects.surface import SurfaceEffects, surface_effects
+from .effects.transmission import Interface
 from .pictures import LADDER, PictureKey, PictureKind
 from .probe import ProbeSpec, Receivers
 from .readings import CameraReading, MaterialReading, SceneReading, SurfaceReading
 
+_THIN = 0.08  # thinness of a wall below which it is a pane
 SAMPLERS = 30  # pictures that EEVEE lets a material read, beside two of its own
 
 
@@ -27,6 +29,7 @@ class SurfacePlan:
         effects: what its shader computes, or None where it keeps its own lobe.
         roughness: the least and the greatest that it may have.
         reasons: why, in words; all of them.
+        interface: how often what it is on bends the light that passes, where it transmits.
         handed_over: the roughness from which on it is left to its own lobe, where it may be so rough; else None.
         layered: whether something lies over the lobe, such as a coat.
         bends_normals: whether its normals must be bent lest they mirror the view into the surface.
@@ -36,6 +39,7 @@ class SurfacePlan:
     effects: SurfaceEffects | None
     roughness: tuple[float, float]
     reasons: tuple[str, ...]
+    interface: Interface = Interface.SOLID
     handed_over: float | None = None
     layered: bool = False
     bends_normals: bool = False
@@ -44,6 +48,11 @@ class SurfacePlan:
     def name(self) -> str:
         """Its node, with the groups that lead to it."""
         return " › ".join(self.path)
+
+    @property
+    def captured_whole(self) -> bool:
+        """Whether captures show its own lobes though they depend on where one stands, as glass is to be seen through."""
+        return self.effects is not None and self.effects.transmits
 
 
 @dataclass(frozen=True)
@@ -126,27 +135,47 @@ def make_plan(scene: SceneReading) -> Plan:
     notes = [probe.fault for probe in scene.probes if probe.fault]
     found = belongings(specs, scene.placements)
     materials = []
+    shapes = _interfaces(scene)
     for material in scene.materials:
         owners = found.owners.get(material.name, {})
         if owners:
-            materials.append(_plan_material(material, owners, scene.roughness_limit))
+            surfaces = plan_surfaces(material, scene.roughness_limit, shapes.get(material.name, Interface.SOLID))
+            materials.append(_plan_material(material, owners, surfaces))
     captured = {probe.name: probe.captured_at for probe in scene.probes}
     probes = [_plan_probe(spec, materials, found, scene.cameras, captured[spec.name]) for spec in specs]
     return Plan(tuple(probes), tuple(materials), tuple(notes))
 
 
-def plan_surfaces(material: MaterialReading, roughness_limit: float) -> tuple[SurfacePlan, ...]:
+def plan_surfaces(
+    material: MaterialReading, roughness_limit: float, interface: Interface = Interface.SOLID
+) -> tuple[SurfacePlan, ...]:
     """What each surface of a material computes, or why it keeps its own lobe."""
-    return tuple(_plan_surface(surface, roughness_limit, material.bends_normals) for surface in material.surfaces)
+    return tuple(
+        _plan_surface(surface, roughness_limit, material.bends_normals, interface) for surface in material.surfaces
+    )
 
 
-def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool) -> SurfacePlan:
+def _interfaces(scene: SceneReading) -> dict[str, Interface]:
+    """How often each material bends the light that passes: as its user says, else as most of what it covers would.
+
+    A surface that ends somewhere bends it once, as renderers do: it may be that of water. Thin walls count as panes.
+    """
+    areas: dict[str, dict[Interface, float]] = {}
+    for wall in scene.walls:
+        kind = Interface.ONCE if wall.is_open else Interface.PANE if wall.thinness < _THIN else Interface.SOLID
+        tally = areas.setdefault(wall.material, {})
+        tally[kind] = tally.get(kind, 0.0) + wall.area
+    found = {name: max(tally, key=lambda kind: (tally[kind], kind.value)) for name, tally in areas.items()}
+    return found | {material.name: Interface.PANE for material in scene.materials if material.slab}
+
+
+def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool, interface: Interface) -> SurfacePlan:
     roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
     reasons = list(_refusals(surface, roughness, limit))
-    effects = None if reasons or surface.kind not in KINDS else surface_effects(surface)
+    effects = None if reasons or surface.kind not in KINDS else surface_effects(surface, interface)
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
     if effects is None:
-        return SurfacePlan(surface.path, None, (low, high), tuple(reasons or ["it reflects nothing"]))
+        return SurfacePlan(surface.path, None, (low, high), tuple(reasons or ["it reflects nothing"]), interface)
     handed_over = limit if high > limit else None
     how = f"roughness {low:.3g}" if low == high else "roughness varies"
     beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
@@ -154,7 +183,9 @@ def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool) ->
     reasons = [how + beyond, effects.label, *(f"its {layer} lies over that as it is" for layer in layers)]
     bent = bends_normals and surface.has("Normal") and surface.value("Normal") is None
     reasons += ["its normals are bent where they would mirror the view into the surface"] * bent
-    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons), handed_over, bool(layers), bent)
+    if effects.transmits and interface is Interface.ONCE:
+        reasons.append("it bends light once, as its objects have no far side (Thickness: Slab would make them panes)")
+    return SurfacePlan(surface.path, effects, (low, high), tuple(reasons), interface, handed_over, bool(layers), bent)
 
 
 def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) -> Iterator[str]:
@@ -171,18 +202,14 @@ def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) ->
         yield f"its microfacets are {surface.distribution.replace('_', ' ').title()} (GGX would show a probe)"
     if surface.fresnel not in ("", "F82"):
         yield "has a physical conductor's curve (F82 Tint would show a probe)"
-    ior = surface.scalar("IOR") if surface.has("IOR") else 1.0
-    if ior is None:
-        yield "has a varying IOR (a constant one would show a probe)"
-    elif ior < 1.0:
-        yield "has an IOR below 1"
     if roughness is not None and roughness > limit:
         yield f"its roughness {roughness:.3g} is above the scene's limit {limit:.3g}"
 
 
-def _plan_material(material: MaterialReading, owners: dict[str, dict[str, float]], limit: float) -> MaterialPlan:
+def _plan_material(
+    material: MaterialReading, owners: dict[str, dict[str, float]], surfaces: tuple[SurfacePlan, ...]
+) -> MaterialPlan:
     """The plan of a material whose objects belong to probes so much: by probe, then by object."""
-    surfaces = plan_surfaces(material, limit)
     ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name))
     served = [surface for surface in surfaces if surface.effects is not None]
     if material.obstacles or not served:
@@ -204,7 +231,8 @@ def _plan_material(material: MaterialReading, owners: dict[str, dict[str, float]
 def _pictures_read(surface: SurfacePlan) -> int:
     """How many pictures of each probe a surface reads at most."""
     low, high = surface.roughness
-    return 3 if low == high else len(LADDER)
+    assert surface.effects is not None
+    return min(3 * len(surface.effects.rays), len(LADDER)) if low == high else len(LADDER)
 
 
 def _plan_probe(

@@ -68,6 +68,7 @@ class MaterialReading:
         obstacles: why the material as a whole must be left as it is, in words that follow its name; empty: nothing.
         textures: how many image textures the user's own nodes read (EEVEE has 32 samplers for a material).
         emits: whether it is a light of its own.
+        slab: whether its user says that what passes through it leaves in parallel, as through a pane.
         bends_normals: whether perturbed normals are bent where they would mirror the view into the surface.
         shown: names of the probe groups that it shows now.
     """
@@ -77,6 +78,7 @@ class MaterialReading:
     obstacles: tuple[str, ...] = ()
     textures: int = 0
     emits: bool = False
+    slab: bool = False
     bends_normals: bool = True
     shown: tuple[str, ...] = ()
 
@@ -95,6 +97,40 @@ class PlacementReading:
     object: str
     materials: tuple[str, ...]
     corners: np.ndarray
+
+
+@dataclass(frozen=True)
+class WallReading:
+    """What a material covers of one placement, where light passes through it.
+
+    Attributes:
+        material: its name.
+        area: square metres.
+        thinness: how thick its walls are on the whole, over the middle side of its bounds along the placement's axes:
+            about 1/3 for a ball or a cube, far less for panes, bottles and bulbs.
+        is_open: whether it has an edge where it ends, so that it is a surface and no body.
+    """
+
+    material: str
+    area: float
+    thinness: float
+    is_open: bool
+
+    @classmethod
+    def of(cls, material: str, triangles: np.ndarray) -> WallReading:
+        """From triangles (n, 3, 3), metres, n > 0. A closed shell of thickness t has the volume t/2 times its area."""
+        points = triangles.reshape(-1, 3)
+        middle = float(np.sort(np.ptp(points, 0))[1])
+        a, b, c = np.moveaxis(triangles - points.mean(0), 1, 0)
+        areas = 0.5 * np.cross(b - a, c - a)  # as vectors, which add up to 0 over a closed surface
+        area = float(np.linalg.norm(areas, axis=-1).sum())
+        volume = abs(float((a * np.cross(b, c)).sum())) / 6.0
+        if area <= 0.0 or middle <= 0.0:
+            return cls(material, area, 0.0, True)
+        return cls(material, area, 2.0 * volume / area / middle, float(np.linalg.norm(areas.sum(0))) > _GAP * area)
+
+
+_GAP = 0.01  # of its area, by which a surface may fail to close
 
 
 @dataclass(frozen=True)
@@ -136,6 +172,7 @@ class SceneReading:
         probes, materials, placements: by name; placements in the order of the render.
         roughness_limit: rougher surfaces keep their own lobe.
         cameras: those that render: the scene's own and those that markers choose.
+        walls: of what light passes through.
         animated: names of objects and materials that animation, drivers or constraints may change.
     """
 
@@ -145,4 +182,5 @@ class SceneReading:
     placements: tuple[PlacementReading, ...] = ()
     roughness_limit: float = 0.6
     cameras: tuple[CameraReading, ...] = ()
+    walls: tuple[WallReading, ...] = ()
     animated: frozenset[str] = field(default=frozenset())

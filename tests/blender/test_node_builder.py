@@ -12,7 +12,7 @@ from pcc_addon.blender.shade import groups, node_builder
 from pcc_addon.core import expression as ex
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects.dielectric import Dielectric
-from pcc_addon.core.effects.lookup import DIRECTION, lookup, lookup_formula
+from pcc_addon.core.effects.lookup import DIRECTION, OFFSET, POSITION, lookup, lookup_formula
 from pcc_addon.core.effects.metal import Metal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
@@ -154,6 +154,7 @@ def lookup_inputs(rng: np.random.Generator, correction: Correction) -> dict[str,
     return {
         "Position": centre + np.einsum("nij,nj->ni", axes, local),
         "Direction": 2.0 * (incoming * normal).sum(-1, keepdims=True) * normal - incoming,
+        "Offset": np.where(rng.random((CASES, 1)) < 0.5, 0.0, 0.1 * unit(rng, CASES)),
         "Normal": normal,
         "Box Centre": centre,
         **{f"Face Normal {axis}": turn[:, :, k] for k, axis in enumerate("XYZ")},
@@ -174,7 +175,7 @@ LOOKUPS = [
 
 @pytest.mark.parametrize("effects", LOOKUPS, ids=lambda e: e.label)
 def test_the_lookup_group_computes_the_formula(scene, rng, effects) -> None:
-    outputs = lookup(effects, DIRECTION)
+    outputs = lookup(effects, DIRECTION, POSITION + OFFSET)
     sample = lookup_inputs(rng, effects.correction)
     values = {name: array.astype(np.float32) for name, array in sample.items()}
     found = evaluate_group(groups.formula_group(lookup_formula(effects)), values)
@@ -234,6 +235,7 @@ def test_the_surface_group_computes_the_formula(scene, rng, effects) -> None:
         "Roughness": np.where(rng.random(CASES) < 0.2, 0.0, rng.random(CASES)),
         "Specular IOR Level": rng.random(CASES),
         "Specular Tint": rng.random((CASES, 3)),
+        "Offset": np.where(rng.random((CASES, 1)) < 0.5, 0.0, 0.1 * unit(rng, CASES)),
         "Normal": normal,
         "Incoming": incoming,
     }

@@ -24,7 +24,7 @@ from pcc_addon.core.effects.roughness import neighbours
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.plan import plan_surfaces
 from pcc_addon.core.probe import Receivers
-from sample_blends.scenes import principled_node
+from sample_blends.scenes import principled, principled_node
 from tests.blender.helpers import pretend_bake, put_in, small_probe
 from tests.blender.materials import (
     Material,
@@ -246,6 +246,18 @@ def test_a_lobe_without_base_is_the_reflection_alone(probe) -> None:
     top = seen(material)
     assert fed(top, 1)[0].bl_idname == "ShaderNodeEmission" and fed(top, 2)[0].bl_idname == "ShaderNodeBsdfAnisotropic"
     assert not ours(material, "ShaderNodeAddShader")
+
+
+def test_glass_looks_along_two_rays_and_captures_see_it_whole(probe) -> None:
+    material = injected(principled("Glass", Transmission_Weight=1.0, Roughness=0.0))
+    top = seen(material)
+    own, lit = fed(top, 1)[0], called(material, "Reflectance")[0]
+    assert own == principled_node(material) and fed(top, 0)[1] == "Covered", "muted, the own lobe is left"
+    seen_by = {fed(lit, name)[0]: name for name in ("Radiance", "Transmitted Radiance")}
+    ways = {name: fed(node, "Direction")[0].label.partition(",")[0] for node, name in seen_by.items()}
+    assert ways == {"Radiance": "Mirror", "Transmitted Radiance": "Through a Solid"}
+    [base] = ours(material, "ShaderNodeBsdfPrincipled")
+    assert base.inputs["Transmission Weight"].default_value == 0.0
 
 
 @pytest.mark.parametrize("build", [shiny, glossy])

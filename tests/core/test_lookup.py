@@ -19,7 +19,7 @@ ALL = [
     )
 ]
 CORRECTED = [c for c in Correction if c is not Correction.NONE]
-MIRRORED = {"Direction": lookup.MIRRORED}
+MIRRORED = {"Direction": lookup.MIRRORED, "Offset": (0.0, 0.0, 0.0)}
 UP, DOWN = (1.0, 0.5, 0.25), (0.125, 2.0, 4.0)
 SKY = np.concatenate([np.full((4, 16, 3), DOWN), np.full((4, 16, 3), UP)]).astype(np.float32)
 AT = {

@@ -11,9 +11,18 @@ from pcc_addon.core.effects.glossy import Glossy
 from pcc_addon.core.effects.metal import Metal, TintedMetal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, Outside
+from pcc_addon.core.effects.transmission import Interface
 from pcc_addon.core.pictures import LADDER, PictureKey, PictureKind
 from pcc_addon.core.plan import MaterialPlan, SurfacePlan, make_plan, plan_surfaces
-from pcc_addon.core.readings import CameraReading, MaterialReading, ProbeReading, SceneReading, SurfaceReading, Value
+from pcc_addon.core.readings import (
+    CameraReading,
+    MaterialReading,
+    ProbeReading,
+    SceneReading,
+    SurfaceReading,
+    Value,
+    WallReading,
+)
 
 from .scenes import INPUTS, material, placement, probe, surface
 
@@ -54,12 +63,9 @@ def test_a_surface_in_groups_is_named_with_the_way_to_it() -> None:
 @pytest.mark.parametrize(
     ("inputs", "reason"),
     [
-        ({"Transmission_Weight": 0.5}, "transmits light"),
         ({"Anisotropic": -0.5}, ANISOTROPIC),
         ({"Anisotropic": None}, ANISOTROPIC),
         ({"Thin_Film_Thickness": 300.0}, FILM),
-        ({"IOR": None}, "has a varying IOR (a constant one would show a probe)"),
-        ({"IOR": 0.99}, "has an IOR below 1"),
         ({"Roughness": 0.61}, "its roughness 0.61 is above the scene's limit 0.6"),
         ({"Roughness": 7.0}, "its roughness 7 is above the scene's limit 0.6"),
         ({"Specular_IOR_Level": 0.0}, "it reflects nothing"),
@@ -121,10 +127,9 @@ def test_other_surfaces_that_no_probe_can_serve_say_why(reading: SurfaceReading,
 
 
 def test_all_reasons_are_given() -> None:
-    plan = planned(surface(Anisotropic=1.0, Thin_Film_Thickness=9.0, IOR=None, Roughness=0.9))
+    plan = planned(surface(Anisotropic=1.0, Thin_Film_Thickness=9.0, Roughness=0.9))
     assert plan.reasons == (
-        ANISOTROPIC, FILM, "has a varying IOR (a constant one would show a probe)",
-        "its roughness 0.9 is above the scene's limit 0.6",
+        ANISOTROPIC, FILM, "its roughness 0.9 is above the scene's limit 0.6",
     )  # fmt: skip
 
 
@@ -135,10 +140,10 @@ def test_inputs_that_a_version_does_not_have_are_no_reason() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "words"),
-    [("ShaderNodeBsdfGlass", "Glass"), ("ShaderNodeEeveeSpecular", "EeveeSpecular")],
+    [("ShaderNodeBsdfHair", "Hair"), ("ShaderNodeEeveeSpecular", "EeveeSpecular")],
 )
 def test_another_shader_is_named(kind: str, words: str) -> None:
-    plan = planned(SurfaceReading(("Glass",), kind, (("Roughness", 0.1),)))
+    plan = planned(SurfaceReading(("Odd",), kind, (("Roughness", 0.1),)))
     assert plan.effects is None and plan.reasons == (f"is a {words} shader (a Principled BSDF would show a probe)",)
 
 
@@ -447,3 +452,37 @@ def test_the_scenes_own_limit_counts() -> None:
     wood = material("Wood", surface(Roughness=0.5))
     assert plan_of(wood, roughness_limit=0.4).probes == ()
     assert plan_of(wood, roughness_limit=0.5).probes == ("Hall",)
+
+
+# What light passes through
+
+
+def wall(thinness: float, area: float = 1.0, is_open: bool = False) -> WallReading:
+    return WallReading("Glass", area, thinness, is_open)
+
+
+@pytest.mark.parametrize(
+    ("walls", "slab", "expected"),
+    [
+        ((), False, Interface.SOLID),
+        ((wall(0.3),), False, Interface.SOLID),
+        ((wall(0.01),), False, Interface.PANE),
+        ((wall(0.3, is_open=True),), False, Interface.ONCE),
+        ((wall(0.3), wall(0.01, 0.4), wall(0.02, 0.7)), False, Interface.PANE),
+        ((wall(0.3, 3.0), wall(0.01, 0.4), wall(0.02, 0.7)), False, Interface.SOLID),
+        ((wall(0.3), wall(0.0, is_open=True)), True, Interface.PANE),
+    ],
+)
+def test_most_of_what_a_material_covers_says_how_often_light_is_bent(
+    walls: tuple[WallReading, ...], slab: bool, expected: Interface
+) -> None:
+    glass = material("Glass", surface(Transmission_Weight=1.0), slab=slab)
+    [plan] = plan_of(glass, walls=walls).surfaces
+    assert plan.interface is expected and plan.effects is not None and plan.effects.transmits
+    assert any("no far side" in reason for reason in plan.reasons) == (expected is Interface.ONCE)
+
+
+def test_captures_see_through_glass_and_see_no_reflections() -> None:
+    assert planned(surface(Transmission_Weight=0.5)).captured_whole
+    for more in ({}, {"Metallic": 1.0}, {"Transmission_Weight": 1.0, "Metallic": 1.0}):
+        assert not planned(surface(**more)).captured_whole

@@ -77,6 +77,7 @@ def points(count: int) -> dict[str, np.ndarray]:
     """Points in and around a box of 4 × 3 × 2 m, seen from everywhere."""
     rng = np.random.default_rng(5)
     return {
+        "Offset": np.zeros((count, 3)),
         "Position": rng.uniform(-1.1, 1.1, (count, 3)) * (2.0, 1.5, 1.0) + (3.0, -2.0, 1.0),
         "Incoming": directions(count, rng),
         "Normal": directions(count, rng),

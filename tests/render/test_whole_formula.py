@@ -33,6 +33,7 @@ def whole(probe: bpy.types.Object, roughness: float, receivers: Receivers) -> Fo
     levels = neighbours(rungs, roughness, roughness)
     known = {
         "Direction": lookup.MIRRORED,
+        "Offset": (0.0, 0.0, 0.0),
         "Capture Point": record.capture_point,
         "Padding": spec.influence_padding,
         "Falloff": spec.influence_falloff,

@@ -276,6 +276,7 @@ def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:
     materials = {material.name_full: material for material in bpy.data.materials}
     for material_plan in plan.materials:
         material = materials[material_plan.material]
-        if material_plan.probes and not twin.has_twins(material):
+        dimmed = {path: plan for path, plan in material_plan.served.items() if not plan.captured_whole}
+        if material_plan.probes and dimmed and not twin.has_twins(material):
             stack.callback(twin.remove_twins, material)
-            twin.add_twins(material, TwinOrder((), material_plan.served, material_plan.emits))
+            twin.add_twins(material, TwinOrder((), dimmed, material_plan.emits))

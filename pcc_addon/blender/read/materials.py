@@ -49,6 +49,7 @@ def _read_nodes(material: bpy.types.Material, shown: tuple[str, ...]) -> Materia
         obstacles=tuple(obstacles),
         textures=len(_textures(material.node_tree, set())),
         emits=emits,
+        slab=material.thickness_mode == "SLAB",
         bends_normals=material.cycles.use_bump_map_correction,
         shown=shown,
     )

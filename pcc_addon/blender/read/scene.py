@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
 import numpy as np
 
+from ...core.effects.kinds import may_transmit
 from ...core.errors import PccError
-from ...core.readings import CameraReading, PlacementReading, ProbeReading, SceneReading
+from ...core.readings import CameraReading, PlacementReading, ProbeReading, SceneReading, WallReading
 from .. import marks
 from .materials import read_material
 from .probes import all_probes, bake_record, check_place, is_animated, probe_spec
+from .walls import read_wall
 
 _BY_AXES = [0, 1, 3, 2, 4, 5, 7, 6]  # Blender's order of a bounding box's corners as that of `numpy.ndindex`
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
@@ -23,13 +26,16 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
     for placement, shown in _placements(view_layer):
         placements.append(placement)
         materials.update({material.name_full: material for material in shown})
+    read = tuple(read_material(materials[name]) for name in sorted(materials))
+    clear = {materials[m.name] for m in read if any(may_transmit(surface) for surface in m.surfaces)}
     return SceneReading(
         name=scene.name,
         probes=tuple(read_probe(probe, view_layer) for probe in all_probes(scene)),
-        materials=tuple(read_material(materials[name]) for name in sorted(materials)),
+        materials=read,
         placements=tuple(placements),
         roughness_limit=scene.pcc.roughness_limit,
         cameras=_cameras(scene),
+        walls=tuple(_walls(view_layer, clear)) if clear else (),
         animated=frozenset(o.name_full for o in scene.objects if is_animated(o)),
     )
 
@@ -90,6 +96,18 @@ def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading,
         names = tuple(material.name_full for material in materials)
         found.append((PlacementReading(evaluated.original.name_full, names, corners), materials))
     return found
+
+
+def _walls(view_layer: bpy.types.ViewLayer, clear: set[bpy.types.Material]) -> Iterator[WallReading]:
+    """What clear materials cover of each object and instance that a render shows."""
+    for instance in _depsgraph(view_layer).object_instances:
+        evaluated = instance.object
+        if evaluated.type not in _SURFACES or evaluated.hide_render:
+            continue
+        for material in _materials(evaluated):
+            wall = read_wall(evaluated, np.array(instance.matrix_world), material) if material in clear else None
+            if wall is not None:
+                yield wall
 
 
 def _materials(evaluated: bpy.types.Object) -> list[bpy.types.Material]:

@@ -7,6 +7,7 @@ import hashlib
 import bpy
 
 from ...core.effects.roughness import neighbours
+from ...core.effects.transmission import Interface
 from ...core.plan import plan_surfaces
 from ...core.probe import Receivers
 from .. import marks
@@ -19,6 +20,7 @@ from .twin import add_twins, has_twins, is_torn, remove_twins, shown_probe_group
 from .twin_order import TwinOrder
 
 _SIGNATURE = "signature"  # note on a material: what its twins were built from
+_INTERFACE = "interface"  # note on a material: how often its objects bend light, which it cannot know by itself
 
 
 def show(material: bpy.types.Material, order: TwinOrder) -> None:
@@ -30,12 +32,16 @@ def show(material: bpy.types.Material, order: TwinOrder) -> None:
     remove(material)
     add_twins(material, order)
     marks.note(material, _SIGNATURE, signature)
+    interfaces = {plan.interface.value for plan in order.surfaces.values()}
+    if interfaces:
+        marks.note(material, _INTERFACE, interfaces.pop())
 
 
 def remove(material: bpy.types.Material) -> bool:
     """Take everything of ours out of a material; True where there was something."""
     removed = remove_twins(material)
     marks.forget(material, _SIGNATURE)
+    marks.forget(material, _INTERFACE)
     return removed
 
 
@@ -100,6 +106,7 @@ def bring_up_to_date(material: bpy.types.Material, roughness_limit: float) -> No
         remove(material)
         return
     reading = read_material(material)
-    plans = () if reading.obstacles else plan_surfaces(reading, roughness_limit)
+    interface = Interface(marks.noted(material, _INTERFACE, Interface.SOLID.value))
+    plans = () if reading.obstacles else plan_surfaces(reading, roughness_limit, interface)
     served = {plan.path: plan for plan in plans if plan.effects is not None}
     show(material, TwinOrder(tuple(shown_probe(group) for group in left), served, reading.emits))

@@ -13,6 +13,7 @@ import bpy
 from ...core.effects import choice
 from ...core.effects.normal import VALID_NORMAL
 from ...core.effects.roughness import level_name, mixed_formula, neighbours
+from ...core.effects.surface import Ray
 from ...core.expression import Formula
 from ...core.plan import SurfacePlan
 from .. import marks
@@ -22,7 +23,9 @@ from .sketch import Sketch, forget_value
 from .twin_order import ShownProbe
 
 PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for later
-_FROM_THE_PROBE = frozenset({"Base Color", "Metallic", "Specular IOR Level"})  # not copied into the diffuse part
+_FROM_THE_PROBE = frozenset(
+    {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight"}
+)  # not copied into the diffuse part
 _ShaderOf = Callable[[bpy.types.Node, int], bpy.types.NodeSocket]
 
 
@@ -31,7 +34,8 @@ class SurfaceBuilder:
 
     def __init__(self, sketch: Sketch, node: bpy.types.Node, plan: SurfacePlan, probes: Sequence[ShownProbe]) -> None:
         self.sketch, self.node, self.plan, self.probes = sketch, node, plan, probes
-        self._known: dict[str, bpy.types.NodeSocket] = {}
+        self._ways: dict[int, bpy.types.Node] = {}
+        self._normal_output: bpy.types.NodeSocket | None = None
 
     def build(self) -> bpy.types.NodeSocket:
         """The shader's output; without probes the diffuse part alone, as captures need it."""
@@ -114,16 +118,18 @@ class SurfaceBuilder:
         A path from a diffuse wall that finds a lamp's picture by chance is a firefly; with the original it is the
         caustic that the renderer filters and clamps as ever. Walls then are lit as without the probe.
         """
-        limit = self.plan.handed_over
+        limit, own, whole = self.plan.handed_over, self.node.outputs[0], self.plan.captured_whole
         path = self._new("ShaderNodeLightPath", right=680.0, row=0.625)
         share = path.outputs["Is Diffuse Ray"]
-        if coverage is not None or limit is not None:
+        if coverage is not None or limit is not None or whole:
             given = {"Diffuse Ray": share, "Coverage": 1.0 if coverage is None else coverage}
-            own = self._call(choice.own_share(limit), 880.0, 0, given)
+            shares = self._call(choice.own_share(limit), 880.0, 0, given)
             if limit is not None:
-                self.sketch.repeat(self.node.inputs["Roughness"], own.inputs["Roughness"])
-            share = own.outputs["Share"]
-        mixed = self._mix(1080.0, 0, share, seen, self.node.outputs[0])
+                self.sketch.repeat(self.node.inputs["Roughness"], shares.inputs["Roughness"])
+            share = shares.outputs["Covered" if whole else "Share"]
+        # Captures mute what is mixed, so that the first of the two is left.
+        first, second = (own, seen) if whole else (seen, own)
+        mixed = self._mix(1080.0, 0, share, first, second)
         marks.tag(mixed.node, GLOW)
         return mixed
 
@@ -134,10 +140,8 @@ class SurfaceBuilder:
         lit.name, lit.label = f"PCC Surface of {self.node.name}", "Reflectance"
         radiances = {ray.radiance for ray in self.plan.effects.rays}
         for socket in lit.inputs:
-            if socket.name == "Normal":
-                self.sketch.link(self._normal(), socket)
-            elif socket.name == "Incoming":
-                self.sketch.link(self._geometry("Incoming"), socket)
+            if socket.name in {"Normal", "Incoming", "Backfacing"}:
+                self.sketch.link(self._of_the_surface(socket.name), socket)
             elif socket.name not in radiances:
                 self.sketch.repeat(self.node.inputs[socket.name], socket)
         return lit
@@ -181,32 +185,53 @@ class SurfaceBuilder:
             probe.node_tree = shown.group
             probe.name, probe.label = f"PCC Probe of {self.node.name}", shown.group.name
             marks.tag(probe, PROBE)
-            self.sketch.link(self._direction(k), probe.inputs["Direction"])
+            way = self._way(k)
+            for name in ("Direction", "Offset"):
+                if name in way.outputs and name in probe.inputs:
+                    self.sketch.link(way.outputs[name], probe.inputs[name])
             if "Normal" in probe.inputs:
                 self.sketch.link(self._normal(), probe.inputs["Normal"])
-            self.sketch.link(self._radiance(shown, probe, row), lit.inputs[ray.radiance])
+            self.sketch.link(self._radiance(shown, probe, ray, row), lit.inputs[ray.radiance])
             nodes.append(probe)
         return nodes[0]
 
-    def _direction(self, k: int) -> bpy.types.NodeSocket:
-        """The direction of one of the surface's rays; made once."""
-        formula = self.plan.effects.rays[k].formula
-        if formula.title not in self._known:
-            call = self._call(formula, -1000.0, k)
-            for socket in call.inputs:
-                if socket.name == "Normal":
-                    self.sketch.link(self._normal(), socket)
+    def _way(self, k: int) -> bpy.types.Node:
+        """The node that says where one of the surface's rays goes; made once."""
+        if k not in self._ways:
+            formula = self.plan.effects.rays[k].formula
+            way = self._ways[k] = self._call(formula, -1000.0, 0.5 * k)
+            for socket in way.inputs:
+                if socket.name == "IOR":
+                    self.sketch.repeat(self.node.inputs["IOR"], socket)
                 else:
-                    self.sketch.link(self._geometry(socket.name), socket)
-            self._known[formula.title] = call.outputs["Direction"]
-        return self._known[formula.title]
+                    self.sketch.link(self._of_the_surface(socket.name), socket)
+        return self._ways[k]
 
-    def _radiance(self, shown: ShownProbe, probe: bpy.types.Node, row: int) -> bpy.types.NodeSocket:
-        """What a probe shows at the surface's roughness."""
-        levels = neighbours(shown.rungs, *self.plan.roughness)
+    def _of_the_surface(self, name: str) -> bpy.types.NodeSocket:
+        """What formulas ask of where they are evaluated."""
+        if name == "Normal":
+            return self._normal()
+        if name == "Dimensions":
+            attribute = self._new("ShaderNodeAttribute", right=-1240.0, row=0.5)
+            attribute.attribute_type, attribute.attribute_name = "OBJECT", "dimensions"
+            return attribute.outputs["Vector"]
+        if name.startswith("Axis "):
+            axis = self._new("ShaderNodeVectorTransform", right=-1480.0, row="XYZ".index(name[-1]) + 1.0)
+            axis.vector_type, axis.convert_from, axis.convert_to = "VECTOR", "OBJECT", "WORLD"
+            axis.inputs[0].default_value = [float(name[-1] == letter) for letter in "XYZ"]
+            unit = self._new("ShaderNodeVectorMath", right=-1280.0, row="XYZ".index(name[-1]) + 1.0)
+            unit.operation = "NORMALIZE"
+            self.sketch.link(axis.outputs[0], unit.inputs[0])
+            return unit.outputs[0]
+        return self._geometry(name)
+
+    def _radiance(self, shown: ShownProbe, probe: bpy.types.Node, ray: Ray, row: float) -> bpy.types.NodeSocket:
+        """What a probe shows along a ray at the surface's roughness."""
+        low, high = self.plan.roughness
+        levels = neighbours(shown.rungs, low * ray.narrowing, high * ray.narrowing)
         if len(levels) == 1:
             return probe.outputs[level_name(levels[0])]
-        formula = mixed_formula(tuple(shown.rungs[k] for k in levels))
+        formula = mixed_formula(tuple(shown.rungs[k] / ray.narrowing for k in levels))
         given = {level_name(i): probe.outputs[level_name(k)] for i, k in enumerate(levels)}
         mixed = self._call(formula, -500.0, row, given)
         self.sketch.repeat(self.node.inputs["Roughness"], mixed.inputs["Roughness"])
@@ -214,9 +239,9 @@ class SurfaceBuilder:
 
     def _normal(self) -> bpy.types.NodeSocket:
         """The normal that the surface mirrors by; made once."""
-        if "Normal" not in self._known:
-            self._known["Normal"] = self._made_normal()
-        return self._known["Normal"]
+        if self._normal_output is None:
+            self._normal_output = self._made_normal()
+        return self._normal_output
 
     def _made_normal(self) -> bpy.types.NodeSocket:
         if not is_given(self.node.inputs["Normal"], self.sketch.scope):

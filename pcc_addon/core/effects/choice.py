@@ -47,17 +47,21 @@ Covered is what the probes before have, and over it this one."""
 
 @cache
 def own_share(roughness_limit: float | None) -> Formula:
-    """How much of a surface keeps its own lobe: all for diffuse rays, else what no probe covers.
+    """How much of a surface keeps its own lobe, "Share": all for diffuse rays, else what no probe covers.
+
+    The rest is "Covered".
 
     Args:
         roughness_limit: where the roughness varies, that from which on a surface is left to its own lobe.
     """
     covered: Expr = COVERAGE * (1.0 - DIFFUSE_RAY)
     if roughness_limit is None:
-        return Formula("Own Lobe", {"Share": 1.0 - covered})
+        return Formula("Own Lobe", {"Share": 1.0 - covered, "Covered": covered})
     width = _FADE_OF_ROUGHNESS * roughness_limit
     smooth = clamp((lift(roughness_limit) - ROUGHNESS) * (1.0 / width)) if width > 0.0 else lift(0.0)
-    return Formula(f"Own Lobe, rougher than {roughness_limit:.6g}", {"Share": 1.0 - covered * smooth})
+    covered = covered * smooth
+    title = f"Own Lobe, rougher than {roughness_limit:.6g}"
+    return Formula(title, {"Share": 1.0 - covered, "Covered": covered})
 
 
 _FADE_OF_ROUGHNESS = 0.1  # of the limit, over which a surface that grows rougher is handed over

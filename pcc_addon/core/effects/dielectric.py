@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 from ..expression import Expr, greatest, lift, maximum, minimum, mix
 from ..readings import SurfaceReading
-from .fresnel import curve_position, f0_from_ior, fresnel, ior_from_f0, schlick
+from .fresnel import USUAL_IOR, curve_position, f0_from_ior, fresnel, ior_from_f0, schlick, varying_ior_from_f0
 from .multiscatter import with_returned_energy
-from .shading import SPECULAR_LEVEL, SPECULAR_TINT, Shading
+from .shading import IOR, SPECULAR_LEVEL, SPECULAR_TINT, Shading
 
 _STEEPEST_CURVE = 3.0  # above this index the curve dips before it rises, and has no effective cosine
 
@@ -18,18 +18,20 @@ class Dielectric:
     """A dielectric lobe.
 
     Attributes:
-        ior: index of refraction of the material; gives the reflectance at normal incidence.
-        eta: the index whose Fresnel curve the lobe follows, after the specular level.
+        ior: index of refraction of the material; gives the reflectance at normal incidence. None where it varies.
+        eta: the index whose Fresnel curve the lobe follows, after the specular level; a usual one where it varies.
         f0: the reflectance at normal incidence where it is the same grey all over the surface; None where the
             specular level or tint vary or have a colour.
     """
 
-    ior: float
+    ior: float | None
     eta: float
     f0: float | None
 
     @property
     def label(self) -> str:
+        if self.ior is None:
+            return "varying IOR"
         words = [f"IOR {self.ior:.6g}"]
         if self.eta != self.ior:
             words.append(f"as {self.eta:.6g}")
@@ -41,8 +43,11 @@ class Dielectric:
         metallic = surface.scalar("Metallic")
         if metallic is not None and metallic >= 1.0:
             return None
+        if surface.has("Transmission Weight") and (surface.scalar("Transmission Weight") or 0.0) >= 1.0:
+            return None
         ior = surface.scalar("IOR")
-        assert ior is not None, "a varying index is refused before"
+        if ior is None:
+            return cls(None, USUAL_IOR, None)
         tinted = surface.color("Specular Tint") != (1.0, 1.0, 1.0)
         return cls.of(ior, surface.scalar("Specular IOR Level"), tinted)
 
@@ -72,12 +77,16 @@ class Dielectric:
     def _reflectance(self, shading: Shading) -> Expr:
         """A scalar where F0 is grey and constant, else a colour."""
         lobe = shading.lobe
-        f0 = lift(self.f0) if self.f0 is not None else _tinted_f0(self.ior)
+        f0 = lift(self.f0) if self.f0 is not None else self._tinted_f0()
         single = lobe.albedo() * self._at_effective_angle(shading)
         return with_returned_energy(single, f0, lobe) if shading.keeps_energy else single
 
     def _at_effective_angle(self, shading: Shading) -> Expr:
         lobe, start = shading.lobe, f0_from_ior(self.eta)
+        if self.ior is None:
+            start_here = minimum(SPECULAR_LEVEL * (2.0 * f0_from_ior(IOR)), 0.99)
+            facet = fresnel(lobe.effective_cosine(curve_position(self.eta), start), varying_ior_from_f0(start_here))
+            return maximum(mix(self._tinted_f0(), 1.0, (facet - start_here) / (1.0 - start_here)), 0.0)
         curve = curve_position(self.eta)
         if self.eta > _STEEPEST_CURVE:
             mirror = fresnel(lobe.effective_cosine(schlick, 1.0), self.eta)
@@ -87,10 +96,10 @@ class Dielectric:
             if self.f0 is not None and abs(self.f0 - start) < 1e-6:
                 return mirror
             position = (mirror - start) / (1.0 - start)
-        f0 = _tinted_f0(self.ior) if self.f0 is None else lift(self.f0)
+        f0 = self._tinted_f0() if self.f0 is None else lift(self.f0)
         # The curve of a high index dips below its start, which must not make a black tint negative.
         return maximum(mix(f0, 1.0, position), 0.0)
 
-
-def _tinted_f0(ior: float) -> Expr:
-    return minimum(SPECULAR_TINT * (SPECULAR_LEVEL * (2.0 * f0_from_ior(ior))), 1.0)
+    def _tinted_f0(self) -> Expr:
+        twice = f0_from_ior(IOR) * 2.0 if self.ior is None else lift(2.0 * f0_from_ior(self.ior))
+        return minimum(SPECULAR_TINT * (SPECULAR_LEVEL * twice), 1.0)

@@ -3,22 +3,34 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 
 from ..expression import Expr, minimum, sqrt
-from .lobe import Curve
+from ..ggx import Curve
+
+Number = TypeVar("Number", float, Expr)
+_MOST_F0 = 0.99  # of an index that is not infinite
+USUAL_IOR = 1.5  # what lobes are fitted for where the index varies
 
 
-def f0_from_ior(ior: float) -> float:
+def f0_from_ior(ior: Number) -> Number:
     """Reflectance at normal incidence."""
-    return ((ior - 1.0) / (ior + 1.0)) ** 2
+    root = (ior - 1.0) / (ior + 1.0)
+    return root * root
 
 
 def ior_from_f0(f0: float) -> float:
     """The inverse, for f0 in [0, 1)."""
-    root = np.sqrt(min(max(f0, 0.0), 0.99))
+    root = np.sqrt(min(max(f0, 0.0), _MOST_F0))
     return float((1.0 + root) / (1.0 - root))
+
+
+def varying_ior_from_f0(f0: Expr) -> Expr:
+    """`ior_from_f0` as an expression."""
+    root = sqrt(minimum(f0, _MOST_F0))
+    return (1.0 + root) / (1.0 - root)
 
 
 def fresnel_dielectric(cosine: np.ndarray, eta: float) -> np.ndarray:
@@ -30,9 +42,9 @@ def fresnel_dielectric(cosine: np.ndarray, eta: float) -> np.ndarray:
     return np.where(g2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)
 
 
-def fresnel(cosine: Expr, eta: float) -> Expr:
+def fresnel(cosine: Expr, eta: float | Expr) -> Expr:
     """`fresnel_dielectric` as an expression."""
-    g = sqrt(eta**2 - 1.0 + cosine * cosine)
+    g = sqrt(eta * eta - 1.0 + cosine * cosine)
     a = (g - cosine) / (g + cosine)
     b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
     return minimum(0.5 * a * a * (1.0 + b * b), 1.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..readings import SurfaceReading
@@ -10,8 +10,9 @@ from .dielectric import Dielectric
 from .glossy import Glossy
 from .metal import Metal, TintedMetal
 from .multiscatter import Multiscatter
+from .transmission import Transmission
 
-SurfaceEffect = Multiscatter | Dielectric | Metal | Glossy | TintedMetal
+SurfaceEffect = Multiscatter | Dielectric | Metal | Glossy | TintedMetal | Transmission
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
 MICROFACETS = {"GGX", "MULTI_GGX"}  # distributions that the levels are made for
@@ -24,12 +25,12 @@ class Kind:
     """A BSDF.
 
     Attributes:
-        effects: all that it may have, in the order of their working.
+        effects: what tells each effect that it may have, or None where it is not wanted, in the order of their working.
         refused: why an input that is not 0 keeps its lobe from showing a probe.
         leaves_base: whether a diffuse base is left beside the lobe.
     """
 
-    effects: tuple[type[SurfaceEffect], ...]
+    effects: tuple[Callable[[SurfaceReading], SurfaceEffect | None], ...]
     refused: Mapping[str, str]
     leaves_base: bool = False
 
@@ -39,18 +40,19 @@ _ANISOTROPIC = "is anisotropic (0 would show a probe)"
 
 KINDS: Mapping[str, Kind] = {
     PRINCIPLED: Kind(
-        effects=(Multiscatter, Dielectric, Metal),
+        effects=(Multiscatter.wanted, Dielectric.wanted, Transmission.of_principled, Metal.wanted),
         refused={
-            "Transmission Weight": "transmits light",
             "Anisotropic": _ANISOTROPIC,
             "Thin Film Thickness": _FILM,
         },
         leaves_base=True,
     ),
-    "ShaderNodeBsdfAnisotropic": Kind((Multiscatter, Glossy), {"Anisotropy": _ANISOTROPIC}),
+    "ShaderNodeBsdfAnisotropic": Kind((Multiscatter.wanted, Glossy.wanted), {"Anisotropy": _ANISOTROPIC}),
     "ShaderNodeBsdfMetallic": Kind(
-        (Multiscatter, TintedMetal), {"Anisotropy": _ANISOTROPIC, "Thin Film Thickness": _FILM}
+        (Multiscatter.wanted, TintedMetal.wanted), {"Anisotropy": _ANISOTROPIC, "Thin Film Thickness": _FILM}
     ),
+    "ShaderNodeBsdfGlass": Kind((Multiscatter.wanted, Transmission.of_glass), {"Thin Film Thickness": _FILM}),
+    "ShaderNodeBsdfRefraction": Kind((Multiscatter.wanted, Transmission.of_refraction), {}),
 }
 """By the type of its node. A new effect is a file beside this one and an entry here."""
 
@@ -61,6 +63,13 @@ WITHOUT_GLOSS = {
     "ShaderNodeBsdfSheen",
     "ShaderNodeBsdfToon",
 }
+
+
+def may_transmit(surface: SurfaceReading) -> bool:
+    """Whether light may pass through a surface and be bent."""
+    if surface.kind == PRINCIPLED:
+        return surface.has("Transmission Weight") and surface.value("Transmission Weight") != 0.0
+    return surface.kind in {"ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction"}
 
 
 def layers_of(surface: SurfaceReading) -> tuple[str, ...]:

@@ -10,16 +10,16 @@ Source of the lobe: `core.ggx`; the fit minimises the relative error of the refl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from ..expression import Expr, clamp, multiply_add
-from ..ggx import lobe_samples
+from ..ggx import Curve, lobe_samples, transmitted_samples
+from .fresnel import fresnel_dielectric
 
-Curve = Callable[[np.ndarray], np.ndarray]
 Coefficients = tuple[tuple[float, ...], ...]  # by term, then by power of the roughness, lowest first
 
 _ANGLES = np.pi * (np.arange(20) + 0.5) / 20
@@ -60,6 +60,16 @@ class Lobe:
     def average_albedo(self) -> Expr:
         """The cosine-weighted mean of the albedo over all views, an expression of roughness alone."""
         return 1.0 - self.alpha * _by_powers(_average_fit(), self.roughness)[0]
+
+    def transmittance(self, eta: float) -> Expr:
+        """What the lobe lets through of white light to the other side of an interface that reflects nothing.
+
+        Args:
+            eta: index of refraction; below 1 that of its inverse is taken.
+        """
+        loss = _by_powers(_transmittance_fit(max(eta, 1.0 / eta)), self.roughness)
+        v = self.grazing
+        return 1.0 - v * multiply_add(v, multiply_add(v, multiply_add(v, loss[3], loss[2]), loss[1]), loss[0])
 
     def effective_cosine(self, curve: Curve, f0: float) -> Expr:
         """The angle at which a mirror with this curve would reflect what the lobe does, but for the albedo.
@@ -133,6 +143,20 @@ def _fitted(terms: Sequence[np.ndarray], target: np.ndarray, weight: np.ndarray)
 def _albedo_fit() -> Coefficients:
     v = _grazing()
     return _fitted([v, v**2, v**3, v**4], 1.0 - _albedo(), 1.0 / _albedo())
+
+
+@cache
+def _transmittance_fit(eta: float) -> Coefficients:
+    cosine, roughness, facets, mirrored = _grid()
+    passed = np.array(
+        [
+            np.mean(weights * (1.0 - fresnel_dielectric(facet, eta)))
+            for facet, weights in (transmitted_samples(c, r, eta, 40) for c, r in zip(cosine, roughness, strict=True))
+        ]
+    )
+    left = 1.0 - (mirrored * fresnel_dielectric(facets, eta)).mean(1) / mirrored.mean(1)
+    v = _grazing()
+    return _fitted([v, v**2, v**3, v**4], 1.0 - passed / np.maximum(left, 1e-6), left + 1e-3)
 
 
 @cache

@@ -51,6 +51,7 @@ POSITION = vector("Position")
 INCOMING = vector("Incoming")  # unit, from the surface to the eye, as Blender's Geometry node gives it
 NORMAL = vector("Normal")  # unit
 DIRECTION = vector("Direction")  # unit, of the ray that leaves the surface
+OFFSET = vector("Offset")  # from the surface to where the ray leaves a thing that it passed through
 CENTRE = vector("Box Centre")
 NORMAL_X, NORMAL_Y, NORMAL_Z = vector("Face Normal X"), vector("Face Normal Y"), vector("Face Normal Z")
 TURN_MIRROR = vector("Turn Mirror")  # unit, horizontal: the mirror in its plane takes the box's axes to the world's
@@ -113,20 +114,21 @@ def faded(below: Expr, falloff: Expr) -> Expr:
     return linear * linear * (3.0 - 2.0 * linear)
 
 
-def lookup(effects: LookupEffects, direction: Expr = MIRRORED) -> dict[str, Expr]:
+def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = POSITION) -> dict[str, Expr]:
     """Where to look in the probe's picture for what a ray from a surface meets.
 
     Args:
         effects: what is computed.
         direction: of the ray, world space, unit; by default the reflected view.
+        position: where the ray starts, world space, metres.
 
     Returns:
         "Direction": world-space vector, not normalised; "Weight": how much of the surface the probe has, 0 … 1.
     """
     if effects.correction is Correction.NONE:
         return {"Direction": direction, "Weight": lift(1.0)}
-    to_centre = CENTRE - POSITION
-    to_capture = CAPTURE_POINT - POSITION if effects.offset else to_centre
+    to_centre = CENTRE - position
+    to_capture = CAPTURE_POINT - position if effects.offset else to_centre
     q = Section("Along the box's axes", along_face_normals(effects.correction, to_centre))
     d = Section("Along the box's axes", along_face_normals(effects.correction, direction))
     near = Section("Exit from the box", nearness(q, d))
@@ -184,8 +186,8 @@ def depth_formula(correction: Correction) -> Formula:
 
 @cache
 def lookup_formula(effects: LookupEffects) -> Formula:
-    """`lookup` along the input "Direction", to be shared by all probes with these effects."""
-    return Formula(f"Lookup, {effects.label}", lookup(effects, DIRECTION))
+    """`lookup` along the input "Direction", from the input "Offset" beside the surface, to be shared by all probes."""
+    return Formula(f"Lookup, {effects.label}", lookup(effects, DIRECTION, POSITION + OFFSET))
 
 
 def probe(

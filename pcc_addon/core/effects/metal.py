@@ -64,7 +64,8 @@ class Metal:
     def apply(self, shading: Shading) -> Shading:
         metal = metallic_reflectance(shading, SPECULAR_TINT if self.tinted else None)
         mixed = metal * METALLIC if self.pure else mix(shading.reflectance, metal, METALLIC)
-        return replace(shading, reflectance=mixed, left=shading.left * (1.0 - METALLIC))
+        rest = 1.0 - METALLIC
+        return replace(shading, reflectance=mixed, transmittance=shading.transmittance * rest, left=shading.left * rest)
 
 
 def metallic_reflectance(shading: Shading, tint: Expr | None) -> Expr:

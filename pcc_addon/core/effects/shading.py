@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from ..expression import Expr, scalar, vector
+from ..expression import Expr, lift, scalar, vector
 from .lobe import Lobe
 
-RADIANCE = vector("Radiance")
+RADIANCE = vector("Radiance")  # along the reflected ray
+BEHIND = vector("Transmitted Radiance")  # along the ray that is seen through the surface
 BASE_COLOR = vector("Base Color")
 METALLIC = scalar("Metallic")
 ROUGHNESS = scalar("Roughness")
+IOR = scalar("IOR")
 SPECULAR_LEVEL = scalar("Specular IOR Level")
 SPECULAR_TINT = vector("Specular Tint")
 COLOR = vector("Color")
 EDGE_TINT = vector("Edge Tint")
+TRANSMISSION = scalar("Transmission Weight")
 
 
 @dataclass(frozen=True)
@@ -25,10 +28,12 @@ class Shading:
         lobe: its specular lobe under the view's angle.
         reflectance: how much of the radiance it sends to the eye, a scalar or a colour.
         left: what is left for the diffuse part, a scalar.
+        transmittance: how much of the radiance behind it passes to the eye, a scalar or a colour.
         keeps_energy: whether its lobes give back what scatters between microfacets.
     """
 
     lobe: Lobe
     reflectance: Expr
     left: Expr
+    transmittance: Expr = field(default_factory=lambda: lift(0.0))
     keeps_energy: bool = False

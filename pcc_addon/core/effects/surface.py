@@ -7,7 +7,7 @@ lobe is averaged apart from it (split sum, Karis 2013).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from ..expression import Expr, Formula, Section, clamp, dot, lift
@@ -16,7 +16,8 @@ from .kinds import KINDS, SurfaceEffect
 from .lobe import Lobe
 from .lookup import INCOMING, MIRROR, NORMAL
 from .multiscatter import Multiscatter
-from .shading import BASE_COLOR, RADIANCE, ROUGHNESS, Shading
+from .shading import BASE_COLOR, BEHIND, RADIANCE, ROUGHNESS, Shading
+from .transmission import Interface, Transmission
 
 
 @dataclass(frozen=True)
@@ -26,10 +27,12 @@ class Ray:
     Attributes:
         formula: its direction.
         radiance: the input of a surface's formula that gets what the probe shows there.
+        narrowing: the roughness of the level to be shown, over that of the surface.
     """
 
     formula: Formula
     radiance: str
+    narrowing: float = 1.0
 
 
 REFLECTED = Ray(MIRROR, "Radiance")
@@ -55,16 +58,28 @@ class SurfaceEffects:
     @property
     def rays(self) -> tuple[Ray, ...]:
         """Along which it looks probes up."""
-        return (REFLECTED,)
+        through = [e for e in self.effects if isinstance(e, Transmission)]
+        mirrors = any(not isinstance(e, Multiscatter) and e not in through for e in self.effects)
+        seen = [Ray(e.ray, "Transmitted Radiance", e.narrowing) for e in through]
+        return (*[REFLECTED] * (mirrors or any(e.mirrors for e in through)), *seen)
+
+    @property
+    def transmits(self) -> bool:
+        return any(isinstance(effect, Transmission) for effect in self.effects)
 
 
-def surface_effects(surface: SurfaceReading) -> SurfaceEffects | None:
-    """The effects that a surface of a known kind requires, or None where it reflects nothing.
+def surface_effects(surface: SurfaceReading, interface: Interface = Interface.SOLID) -> SurfaceEffects | None:
+    """The effects that a surface of a known kind requires, or None where it shows nothing of its surroundings.
 
     Where it has an index of refraction that is constant.
+
+    Args:
+        surface: as read.
+        interface: how often what it is on bends light that passes.
     """
     kind = KINDS[surface.kind]
-    found = [effect for wanted in kind.effects if (effect := wanted.wanted(surface)) is not None]
+    found = [effect for wanted in kind.effects if (effect := wanted(surface)) is not None]
+    found = [replace(effect, interface=interface) if isinstance(effect, Transmission) else effect for effect in found]
     reflects = any(not isinstance(effect, Multiscatter) for effect in found)
     return SurfaceEffects(tuple(found), kind.leaves_base) if reflects else None
 
@@ -73,7 +88,8 @@ def surface(effects: SurfaceEffects) -> dict[str, Expr]:
     """A surface lit by a probe.
 
     Returns:
-        "Reflection": the radiance that the specular lobe sends to the eye; where a base is left, "Diffuse Color": the
+        "Reflection": the radiance that the specular lobe, and what passes, sends to the eye; where a base is left,
+        "Diffuse Color": the
         base colour for a BSDF without specular and metal. Both are linear colours.
     """
     # At 0 and below the critical angle Fresnel's terms are 0/0.
@@ -81,7 +97,9 @@ def surface(effects: SurfaceEffects) -> dict[str, Expr]:
     shading = Shading(Lobe(cosine, ROUGHNESS), lift(0.0), lift(1.0))
     for effect in effects.effects:
         shading = effect.apply(shading)
-    reflection = {"Reflection": RADIANCE * shading.reflectance}
+    radiances = {"Radiance": RADIANCE * shading.reflectance, "Transmitted Radiance": BEHIND * shading.transmittance}
+    first, *others = (radiances[ray.radiance] for ray in effects.rays)
+    reflection = {"Reflection": sum(others, first)}
     return {**reflection, "Diffuse Color": BASE_COLOR * shading.left} if effects.leaves_base else reflection
 
 
