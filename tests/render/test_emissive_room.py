@@ -9,6 +9,7 @@ import pytest
 from benchmarks.measure import covered, relative_rmse, render
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room
+from tests.eevee import without_shadows
 
 
 @pytest.fixture
@@ -74,6 +75,7 @@ def test_error_stays_below_what_the_readme_promises(room: bpy.types.Scene) -> No
 
 @pytest.mark.heavy
 def test_a_bake_by_eevee_is_as_good(room: bpy.types.Scene) -> None:
+    without_shadows(room)
     truth, floor = _truth(room)
     _bake(256, Engine.EEVEE)
     assert relative_rmse(render(room).pixels, truth, floor) <= 0.07
