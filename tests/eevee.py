@@ -9,7 +9,7 @@ def without_shadows(scene: bpy.types.Scene) -> None:
     """Leave out the shadow maps, and make little of the world's light on surfaces.
 
     Nothing that only emits, or only shows a probe, is changed by either, and they are nine tenths of the processor's
-    work for a small picture. Blender's own settings have tests of their own: marks, lamps, the error of the README.
+    work for a small picture. Blender's own settings have tests of their own: marks, lamps, a picture with and without.
     """
     scene.eevee.use_shadows = False
     if scene.world:

@@ -62,8 +62,20 @@ def test_removing_brings_the_path_traced_picture_back(room: bpy.types.Scene) -> 
 
 
 @pytest.mark.heavy
+def test_no_shadow_map_changes_what_eevee_shows_of_a_probe(room: bpy.types.Scene) -> None:
+    """Blender's own settings, which other tests spare."""
+    _bake(32)
+    before = render(room, Engine.EEVEE, samples=1).pixels
+    without_shadows(room)
+    np.testing.assert_allclose(render(room, Engine.EEVEE, samples=1).pixels, before, atol=2e-3)
+    assert before.std() > 0.1
+
+
+@pytest.mark.heavy
 def test_error_stays_below_what_the_readme_promises(room: bpy.types.Scene) -> None:
     room.render.resolution_x, room.render.resolution_y = 480, 270
+    bpy.data.objects["Room"].pcc_probe.samples = 4  # nothing is noisy here but edges
+    without_shadows(room)
     truth, floor = _truth(room)
     for resolution, bound in ((512, 0.035), (1024, 0.015)):
         _bake(resolution)
