@@ -19,6 +19,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
@@ -27,6 +28,7 @@ VENVS = ROOT / ".venvs"
 BLENDERS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
 TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*"]
 FIGURES = ["matplotlib==3.*", "pillow>=11"]
+MEMORY_OF_A_SUITE = 4 << 30  # bytes; the heavy tests leave Blender with 3 GB
 RUFF = "ruff==0.14.*"
 TYPES = ["mypy==1.*", "numpy==2.*"]
 
@@ -37,6 +39,9 @@ def main() -> int:
     parser.add_argument("--blender", choices=BLENDERS, help="which Blender version")
     parser.add_argument("--all", action="store_true", help="every supported Blender version")
     parser.add_argument("--heavy", action="store_true", help="tests: the slow ones too")
+    parser.add_argument(
+        "--at-once", type=int, help="tests of --all: how many Blenders at once (else what memory allows)"
+    )
     options, rest = parser.parse_known_args()
     tasks = {"demo": demo, "test": test, "lint": lint, "build": build, "samples": samples, "run": run}
     return tasks[options.task](options, rest)
@@ -47,21 +52,35 @@ def demo(options: argparse.Namespace, rest: list[str]) -> int:
 
 
 def test(options: argparse.Namespace, rest: list[str]) -> int:
-    heavy = ["--heavy"] if options.heavy else []
-    worst = 0
-    for version in available() if options.all else [options.blender]:
-        python = blender_python(version)
+    """One suite with its output as it is; several side by side, each line with its Blender before it."""
+    arguments = ["-m", "pytest", *(["--heavy"] if options.heavy else []), *rest]
+    if not options.all:
+        python = blender_python(options.blender)
         print(f"== tests with Blender {python.parent.parent.name.removeprefix('bpy-')}", flush=True)
-        worst = max(worst, call(python, "-m", "pytest", *heavy, *rest))
-    return worst
+        return call(python, *arguments)
+    versions = available()
+    pythons = {version: blender_python(version) for version in versions}
+    complete = {BLENDERS[version]: version for version in reversed(versions)}.values()  # the first of each Python
+    suites = {v: [*arguments, *([] if v in complete else ["--only-with-blender"])] for v in versions}
+    at_once = options.at_once or max(1, min(len(versions), free_memory() // MEMORY_OF_A_SUITE))
+    print(f"== tests with Blender {', '.join(versions)}: {at_once} at once", flush=True)
+    with ThreadPoolExecutor(at_once) as pool:
+        codes = list(
+            pool.map(lambda version: call_aloud(f"{version} | ", pythons[version], *suites[version]), versions)
+        )
+    for version, code in zip(versions, codes, strict=True):
+        print(f"== Blender {version}: {'passed' if code == 0 else f'FAILED with exit code {code}'}", flush=True)
+    return first_failure(codes)
 
 
 def lint(options: argparse.Namespace, rest: list[str]) -> int:
     python = environment("lint", Path(sys.executable), [RUFF, *TYPES])
-    return max(
-        call(python, "-m", "ruff", "format", *(rest or ["--check", "."])),
-        call(python, "-m", "ruff", "check", "."),
-        call(python, "-m", "mypy"),
+    return first_failure(
+        [
+            call(python, "-m", "ruff", "format", *(rest or ["--check", "."])),
+            call(python, "-m", "ruff", "check", "."),
+            call(python, "-m", "mypy"),
+        ]
     )
 
 
@@ -149,7 +168,41 @@ def environment(name: str, interpreter: Path, requirements: list[str]) -> Path:
 
 
 def call(python: Path, *arguments: str) -> int:
-    return subprocess.run([str(python), *arguments], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}).returncode
+    return subprocess.run([str(python), *arguments], cwd=ROOT, env=surroundings()).returncode
+
+
+def call_aloud(mark: str, python: Path, *arguments: str) -> int:
+    """The same, with `mark` before each line of output, so that several may talk at once."""
+    command = [str(python), *arguments]
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "encoding": "utf-8", "errors": "replace"}
+    with subprocess.Popen(command, cwd=ROOT, env=surroundings(), **streams) as process:
+        for line in process.stdout:
+            print(f"{mark}{line}", end="", flush=True)
+    return process.returncode
+
+
+def surroundings() -> dict[str, str]:
+    """The environment of programs that import this repository's packages."""
+    return {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+def first_failure(codes: list[int]) -> int:
+    """0 where all are; a program that a signal ended has a negative code, which is a failure too."""
+    return next((code for code in codes if code), 0)
+
+
+def free_memory() -> int:
+    """Bytes that programs may still take, as far as Linux tells; 0 elsewhere."""
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        free = next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
+        limit = Path("/sys/fs/cgroup/memory.max")  # of a container
+        used = Path("/sys/fs/cgroup/memory.current")
+        if limit.exists() and limit.read_text().strip() != "max":
+            free = min(free, int(limit.read_text()) - int(used.read_text()))
+    except (OSError, StopIteration):
+        return 0
+    return free
 
 
 if __name__ == "__main__":

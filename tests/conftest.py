@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,24 +20,38 @@ settings.register_profile("thorough", deadline=None, derandomize=True, database=
 settings.load_profile("default")
 
 
+WITHOUT_BLENDER = ("core", "glsl", "mutation", "vectors")  # folders; elsewhere the marker says it
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--heavy", action="store_true", help="run the tests that take minutes too")
+    parser.addoption("--only-with-blender", action="store_true", help="leave out what every Blender answers alike")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if config.getoption("--heavy"):
-        return
-    skip = pytest.mark.skip(reason="takes minutes: run with --heavy, as CI does")
     for item in items:
-        if "heavy" in item.keywords:
-            item.add_marker(skip)
+        if item.path.relative_to(Path(__file__).parent).parts[0] in WITHOUT_BLENDER:
+            item.add_marker("without_blender")
+        if "without_blender" in item.keywords and "addon" in item.fixturenames:
+            raise pytest.UsageError(f"{item.nodeid} has Blender's add-on and says that it needs no Blender")
+    if config.getoption("--only-with-blender"):
+        left_out = [item for item in items if "without_blender" in item.keywords]
+        items[:] = [item for item in items if "without_blender" not in item.keywords]
+        config.hook.pytest_deselected(items=left_out)
+    if not config.getoption("--heavy"):
+        skip = pytest.mark.skip(reason="takes minutes: run with --heavy, as CI does")
+        for item in items:
+            if "heavy" in item.keywords:
+                item.add_marker(skip)
 
 
 _exit_status = 0
 
 
-def pytest_sessionfinish(exitstatus: int) -> None:
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
     global _exit_status
+    if exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED and session.config.getoption("--only-with-blender"):
+        session.exitstatus = exitstatus = 0  # `dev.py test --all tests/core`: another Blender runs them
     _exit_status = int(exitstatus)
 
 

@@ -20,6 +20,7 @@ from pcc_addon.blender.shade import node_builder
 from pcc_addon.core.expression import Expr
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import emissive
+from tests.eevee import without_shadows
 
 
 def evaluate_expressions(
@@ -121,6 +122,7 @@ class _Bench:
         scene = self._scene
         scene.render.engine = compat.engine_id(engine)
         scene.render.filter_size, scene.eevee.taa_render_samples = 0.01, 1
+        without_shadows(scene)
         scene.render.resolution_x, scene.render.resolution_y = self._width, self._height
         scene.render.resolution_percentage = 100
         scene.render.dither_intensity = 0.0

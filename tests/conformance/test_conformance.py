@@ -85,6 +85,7 @@ def test_the_families_find_what_every_guard_is_for(scene, variant: variants.Vari
         assert verdict.visibly_wrong.sum() > FEW // 4, correction
 
 
+@pytest.mark.without_blender
 @pytest.mark.parametrize("family", [f for f in FAMILIES if f.finite], ids=lambda f: f.name)
 def test_the_reference_agrees_with_50_digits(family) -> None:
     for correction in family.corrections:
@@ -98,6 +99,7 @@ def test_the_reference_agrees_with_50_digits(family) -> None:
             assert angle(truth.direction[k : k + 1], expected[None])[0] <= 1e-6 * bound[k] + 1e-15
 
 
+@pytest.mark.without_blender
 def test_cases_are_the_same_every_time_and_differ_between_families() -> None:
     for family in FAMILIES:
         once, again = (family.cases(8, family.corrections[0]) for _ in range(2))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -17,6 +18,8 @@ from .cases import Cases
 from .families import CORRECTIONS
 from .reference import exact
 from .verdict import judge
+
+pytestmark = pytest.mark.without_blender
 
 component = st.one_of(st.sampled_from([0.0, -0.0, 1.0, -1.0, 1e-40, -1e-20, 1e-7]), st.floats(-1.0, 1.0, width=32))
 three = st.tuples(component, component, component)

@@ -31,6 +31,7 @@ def test_zip_holds_the_add_on_and_nothing_else(archive: Path) -> None:
     assert names == sources | {"blender_manifest.toml", "__init__.py", "LICENSE"}
 
 
+@pytest.mark.without_blender
 def test_manifest_asks_for_what_the_issue_names() -> None:
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     assert manifest["id"] == "parallax_probes"
@@ -39,6 +40,7 @@ def test_manifest_asks_for_what_the_issue_names() -> None:
     assert set(manifest["permissions"]) == {"files"}
 
 
+@pytest.mark.without_blender
 def test_the_changelog_begins_with_the_version_of_the_manifest() -> None:
     version = tomllib.loads((ROOT / "blender_manifest.toml").read_text())["version"]
     sections = [

@@ -25,6 +25,7 @@ from pcc_addon.core.effects.records import Outside
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import add_camera, emissive
 from tests.blender.helpers import pretend_bake, small_probe
+from tests.eevee import without_shadows
 
 HALF = np.array([3.0, 2.0, 1.25])
 CAPTURE = (0.4, -0.3, 0.2)  # from the centre, metres along the box's axes
@@ -104,6 +105,7 @@ class Stage:
 
     def __init__(self, location: Sequence[float], rotation: Sequence[float], **settings: object) -> None:
         self.scene = bpy.context.scene
+        without_shadows(self.scene)
         self.place = Matrix.Translation(location) @ Euler(rotation).to_matrix().to_4x4()
         probe = small_probe("Stage", location, tuple(HALF), rotation, CAPTURE)
         for name, value in settings.items():

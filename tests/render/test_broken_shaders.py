@@ -18,6 +18,7 @@ from pcc_addon.core import equirect
 from pcc_addon.core.cubemap import FACES, face_directions
 from sample_blends.scenes import emissive
 from tests.blender.helpers import ROOM, bake, picture, small_probe
+from tests.eevee import without_shadows
 
 RESOLUTION = 32
 SIZE = 0.3  # metres across, about a metre away
@@ -59,6 +60,7 @@ def grey_world(engine: str, denoise: bool) -> bpy.types.Object:
     background = next(n for n in bpy.context.scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
     background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     background.inputs["Strength"].default_value = BACKGROUND
+    without_shadows(bpy.context.scene)
     probe = small_probe()
     settings = probe.pcc_probe
     settings.engine, settings.resolution, settings.samples, settings.denoise = engine, RESOLUTION, 4, denoise

@@ -9,6 +9,7 @@ import pytest
 from benchmarks.measure import covered, relative_rmse, render
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room
+from tests.eevee import without_shadows
 
 
 @pytest.fixture
@@ -61,8 +62,20 @@ def test_removing_brings_the_path_traced_picture_back(room: bpy.types.Scene) -> 
 
 
 @pytest.mark.heavy
+def test_no_shadow_map_changes_what_eevee_shows_of_a_probe(room: bpy.types.Scene) -> None:
+    """Blender's own settings, which other tests spare."""
+    _bake(32)
+    before = render(room, Engine.EEVEE, samples=1).pixels
+    without_shadows(room)
+    np.testing.assert_allclose(render(room, Engine.EEVEE, samples=1).pixels, before, atol=2e-3)
+    assert before.std() > 0.1
+
+
+@pytest.mark.heavy
 def test_error_stays_below_what_the_readme_promises(room: bpy.types.Scene) -> None:
     room.render.resolution_x, room.render.resolution_y = 480, 270
+    bpy.data.objects["Room"].pcc_probe.samples = 4  # nothing is noisy here but edges
+    without_shadows(room)
     truth, floor = _truth(room)
     for resolution, bound in ((512, 0.035), (1024, 0.015)):
         _bake(resolution)
@@ -74,6 +87,7 @@ def test_error_stays_below_what_the_readme_promises(room: bpy.types.Scene) -> No
 
 @pytest.mark.heavy
 def test_a_bake_by_eevee_is_as_good(room: bpy.types.Scene) -> None:
+    without_shadows(room)
     truth, floor = _truth(room)
     _bake(256, Engine.EEVEE)
     assert relative_rmse(render(room).pixels, truth, floor) <= 0.07

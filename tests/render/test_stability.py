@@ -39,7 +39,7 @@ from .stability import (
     exit_distance,
 )
 
-OUTPUT = Path(__file__).resolve().parents[1] / "output"
+OUTPUT = Path(__file__).resolve().parents[1] / "output" / bpy.app.version_string
 NEAR = (3.0, -2.0, 1.0)
 POSES = {
     "aligned": (NEAR, (0.0, 0.0, 0.0)),
@@ -137,7 +137,7 @@ def _report(what: str, off: np.ndarray, covered: np.ndarray, frame: Seen) -> Non
 
 def _save(stem: str, frame: Seen) -> list[Path]:
     """Write what was found, what is exact and their difference: as numbers (EXR), and side by side to look at (PNG)."""
-    OUTPUT.mkdir(exist_ok=True)
+    OUTPUT.mkdir(parents=True, exist_ok=True)
     difference = np.where(frame.covered[..., None], frame.found - frame.exact, 0.0)
     exact = np.where(frame.covered[..., None], frame.exact, 0.0)
     parts = {"found": frame.found, "exact": exact, "difference": difference}
