@@ -104,6 +104,19 @@ def test_an_edit_inside_a_group_reaches_materials_that_nobody_sees_now(probe) ->
     assert all(any(n.node_tree and "metal alone" in n.node_tree.name for n in nodes_of(copy)) for copy in copies)
 
 
+@pytest.mark.parametrize(
+    "act",
+    [lambda probe: bpy.data.objects.remove(probe), lambda probe: probe.users_collection[0].objects.unlink(probe)],
+    ids=["deleted", "unlinked"],
+)
+def test_a_probe_that_goes_is_taken_out_of_materials_that_nobody_sees_now(material, probe, act: Callable) -> None:
+    bpy.context.scene.collection.objects.unlink(bpy.data.objects["Mesh"])
+    update()
+    act(probe)
+    update()
+    assert not [node for node in material.node_tree.nodes if marks.role(node)]
+
+
 def nodes_of(tree: bpy.types.ShaderNodeTree) -> list[bpy.types.Node]:
     return [node for node in tree.nodes if node.bl_idname == "ShaderNodeGroup"]
 

@@ -177,6 +177,14 @@ def test_a_grease_pencil_material_is_left_alone() -> None:
     assert read_material(material).obstacles == ("is a grease pencil material",)
 
 
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="every material is made of nodes")
+def test_a_material_without_nodes_is_left_alone() -> None:
+    material = shiny()
+    material.use_nodes = False
+    for plain in (material, bpy.data.materials.new("Plain")):
+        assert read_material(plain).obstacles == ("uses no nodes: switch Use Nodes on",)
+
+
 def test_shaders_that_feed_themselves_are_named() -> None:
     material = mixed()
     mix = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeMixShader")

@@ -23,6 +23,8 @@ _ENGINES = 'for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=F
 _SAMPLING = 'if material.cycles.emission_sampling == "NONE":'
 _SAME_OUTPUTS = "if tree is None or before in (None, probe_group.outputs(tree)):"
 _SHOWN = "if material.node_tree and tree in shown_probe_groups(material):"
+_FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
+_OF_NUMBERS = "elif all(part.width == 1 for part in (expr, *expr.args)):"
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -51,5 +53,8 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
         "blender/shade/live.py", _SHOWN, "material.node_tree and tree in shown_probe_groups(material)",
         "material.node_tree or tree in shown_probe_groups(material)",
     ): "those without twins are passed over",
+    ("blender/shade/drivers.py", _FACES, "strict=True", ""): "all are as long",
+    ("blender/shade/drivers.py", _FACES, "True", "False"): "all are as long",
+    ("blender/shade/node_builder.py", _OF_NUMBERS, "expr", ""): "of numbers alone only Combine makes a vector",
 }  # fmt: skip
 """Why, by module, source line without its indentation, what was replaced, and by what."""
