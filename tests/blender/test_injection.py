@@ -50,10 +50,10 @@ def linked_from(folder: Path, name: str) -> bpy.types.Material:
 
 
 def test_without_a_baked_probe_the_first_reason_is_given(scene) -> None:
-    with pytest.raises(PccError, match="^scene 'Scene' has no probe; add one and bake it$"):
+    with pytest.raises(PccError, match=r"^scene 'Scene' has no probe; add one and bake it$"):
         put_in()
     small_probe("B"), small_probe("A")
-    with pytest.raises(PccError, match="^probe 'A' has no bake; bake it to see it$"):
+    with pytest.raises(PccError, match=r"^probe 'A' has no bake; bake it to see it$"):
         put_in()
 
 
