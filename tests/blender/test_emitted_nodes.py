@@ -6,7 +6,7 @@ import bpy
 import pytest
 
 from pcc_addon.blender.shade.node_builder import Surroundings, emit
-from pcc_addon.core.expression import Formula, Sample, Section, combine, dot, lift, scalar, vector
+from pcc_addon.core.expression import Expr, Formula, Sample, Section, combine, dot, lift, scalar, vector
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -119,6 +119,16 @@ def test_components_share_a_node_and_constants_stand_in_sockets() -> None:
     assert (
         next(node for node in tree.nodes if node.bl_idname == "NodeGroupOutput").inputs["Number"].default_value == 4.0
     )
+
+
+def test_an_expression_used_twice_is_looked_at_once() -> None:
+    """Otherwise this takes 2⁴⁰ looks."""
+    doubled: Expr = S
+    for _ in range(40):
+        doubled = doubled + doubled
+    tree = group()
+    emit(tree, {"Result": doubled})
+    assert len(of_kind(tree, "Math")) == 40
 
 
 def test_nodes_stand_behind_what_they_need_and_sections_in_frames() -> None:

@@ -24,6 +24,8 @@ _SAMPLING = 'if material.cycles.emission_sampling == "NONE":'
 _SAME_OUTPUTS = "if tree is None or before in (None, probe_group.outputs(tree)):"
 _SHOWN = "if material.node_tree and tree in shown_probe_groups(material):"
 _FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
+_ARGUMENTS = "given = zip(formula.inputs, expr.calls.arguments, strict=True)"
+_SINK = 'emitter.layout.add(sink, max(depths, default=0), "")'
 _OF_NUMBERS = "elif all(part.width == 1 for part in (expr, *expr.args)):"
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
@@ -55,6 +57,9 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ): "those without twins are passed over",
     ("blender/shade/drivers.py", _FACES, "strict=True", ""): "all are as long",
     ("blender/shade/drivers.py", _FACES, "True", "False"): "all are as long",
+    ("blender/shade/node_builder.py", _ARGUMENTS, "strict=True", ""): "a call has an argument for each input",
+    ("blender/shade/node_builder.py", _ARGUMENTS, "True", "False"): "a call has an argument for each input",
+    ("blender/shade/node_builder.py", _SINK, "0", "1"): "where a node stands that is alone",
     ("blender/shade/node_builder.py", _OF_NUMBERS, "expr", ""): "of numbers alone only Combine makes a vector",
 }  # fmt: skip
 """Why, by module, source line without its indentation, what was replaced, and by what."""
