@@ -23,6 +23,11 @@ _ENGINES = 'for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=F
 _SAMPLING = 'if material.cycles.emission_sampling == "NONE":'
 _SAME_OUTPUTS = "if tree is None or before in (None, probe_group.outputs(tree)):"
 _SHOWN = "if material.node_tree and tree in shown_probe_groups(material):"
+_UNIT = "return normal / np.linalg.norm(normal, axis=-1, keepdims=True)"
+_LEAVES = (
+    "return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)"
+)
+_SEEN = "return np.where(light_cosine > 0.0, distribution * masking, 0.0)"
 _FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
 _ARGUMENTS = "given = zip(formula.inputs, expr.calls.arguments, strict=True)"
 _SINK = 'emitter.layout.add(sink, max(depths, default=0), "")'
@@ -55,6 +60,9 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
         "blender/shade/live.py", _SHOWN, "material.node_tree and tree in shown_probe_groups(material)",
         "material.node_tree or tree in shown_probe_groups(material)",
     ): "those without twins are passed over",
+    ("core/ggx.py", _UNIT, "-1", "1"): "the last axis of two",
+    ("core/ggx.py", _LEAVES, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
+    ("core/ggx.py", _SEEN, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
     ("blender/shade/drivers.py", _FACES, "strict=True", ""): "all are as long",
     ("blender/shade/drivers.py", _FACES, "True", "False"): "all are as long",
     ("blender/shade/node_builder.py", _ARGUMENTS, "strict=True", ""): "a call has an argument for each input",
