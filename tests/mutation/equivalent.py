@@ -23,6 +23,11 @@ _ENGINES = 'for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=F
 _SAMPLING = 'if material.cycles.emission_sampling == "NONE":'
 _SAME_OUTPUTS = "if tree is None or before in (None, probe_group.outputs(tree)):"
 _SHOWN = "if material.node_tree and tree in shown_probe_groups(material):"
+_ROW = "result[row] = gain[row] * np.fft.irfft(real + 1j * imaginary, n=width).T"
+_CLEANED = (
+    "cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST)"
+    ".astype(np.float32)"
+)
 _UNIT = "return normal / np.linalg.norm(normal, axis=-1, keepdims=True)"
 _LEAVES = (
     "return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)"
@@ -60,6 +65,9 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
         "blender/shade/live.py", _SHOWN, "material.node_tree and tree in shown_probe_groups(material)",
         "material.node_tree or tree in shown_probe_groups(material)",
     ): "those without twins are passed over",
+    ("core/prefilter.py", _ROW, "n=width", ""): "NumPy's own default: a row has an even number of texels",
+    ("core/radiance.py", _CLEANED, "nan=0.0", ""): "NumPy's own default",
+    ("core/radiance.py", _CLEANED, "neginf=0.0", ""): "the smallest number is clipped to 0 too",
     ("core/ggx.py", _UNIT, "-1", "1"): "the last axis of two",
     ("core/ggx.py", _LEAVES, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
     ("core/ggx.py", _SEEN, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
