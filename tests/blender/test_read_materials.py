@@ -43,7 +43,9 @@ def test_a_plain_material_has_one_surface_with_its_values() -> None:
     assert surface.scalar("IOR") == 1.5 and surface.color("Specular Tint") == (1.0, 1.0, 1.0)
     reading = read_material(material)
     assert reading.name == "Shiny" and reading.obstacles == () and reading.shown == ()
-    assert reading.textures == 0 and not reading.emits
+    assert reading.textures == 0 and not reading.emits and reading.bends_normals
+    material.cycles.use_bump_map_correction = False
+    assert not read_material(material).bends_normals
 
 
 def test_every_surface_is_found_once() -> None:
