@@ -28,6 +28,12 @@ _CLEANED = (
     "cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST)"
     ".astype(np.float32)"
 )
+_FACE_OF = "index = 2 * axis + (np.take_along_axis(flat, axis[:, None], -1)[:, 0] < 0)"
+_GRID = 'u1, u2 = (a.ravel() for a in np.meshgrid(u, u, indexing="ij"))'
+_AVERAGES = (
+    "def directional_averages("
+    "cosines: np.ndarray, roughness: float, curves: Sequence[Curve], grid: int = 96) -> np.ndarray:"
+)
 _UNIT = "return normal / np.linalg.norm(normal, axis=-1, keepdims=True)"
 _LEAVES = (
     "return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)"
@@ -68,6 +74,9 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/prefilter.py", _ROW, "n=width", ""): "NumPy's own default: a row has an even number of texels",
     ("core/radiance.py", _CLEANED, "nan=0.0", ""): "NumPy's own default",
     ("core/radiance.py", _CLEANED, "neginf=0.0", ""): "the smallest number is clipped to 0 too",
+    ("core/cubemap.py", _FACE_OF, "-1", "1"): "the last axis of two",
+    ("core/ggx.py", _GRID, "indexing='ij'", ""): "the same samples in another order",
+    ("core/ggx.py", _AVERAGES, "96", "97"): "as many points of a quadrature",
     ("core/ggx.py", _UNIT, "-1", "1"): "the last axis of two",
     ("core/ggx.py", _LEAVES, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
     ("core/ggx.py", _SEEN, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
