@@ -33,11 +33,11 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
     """Bring up to date what has changed. Animation does not call this: `ProbeSpec.effects` knows of it."""
     if _paused:
         return
-    changed = {update.id.original: update for update in depsgraph.updates}
-    for item, update in changed.items():
+    changed = {update.id.original for update in depsgraph.updates}
+    for item in changed:
         if isinstance(item, bpy.types.Object) and item.pcc_probe.is_probe and not item.library:
-            _follow(item, scene.pcc.roughness_limit, moved=update.is_updated_transform)
-    if any(isinstance(item, (bpy.types.Scene, bpy.types.Collection)) for item in changed) and _orphans():
+            _follow(item, scene.pcc.roughness_limit)
+    if any(isinstance(item, bpy.types.Scene) for item in changed) and _orphans():  # whatever is deleted changes it
         bring_all_up_to_date(scene)
         return
     materials = {item for item in changed if isinstance(item, bpy.types.Material)}
@@ -99,7 +99,7 @@ def _orphans() -> list[bpy.types.ShaderNodeTree]:
     return [tree for tree in ours if probe_group.probe_of(tree) is None]
 
 
-def _follow(probe: bpy.types.Object, roughness_limit: float, *, moved: bool) -> None:
+def _follow(probe: bpy.types.Object, roughness_limit: float) -> None:
     """Give a probe that was moved the lookup that holds wherever it is now, and a copied one a group of its own.
 
     Drivers follow the box; what they cannot follow is that it was unrotated, held all surfaces or was captured from its
@@ -109,7 +109,7 @@ def _follow(probe: bpy.types.Object, roughness_limit: float, *, moved: bool) -> 
     if tree is None:
         return
     copied = probe_group.probe_of(tree) not in (None, probe)
-    if not copied and not (moved and probe_group.was_moved(probe)):
+    if not copied and not probe_group.was_moved(probe):
         return
     try:
         record, spec = bake_record(probe), probe_spec(probe)

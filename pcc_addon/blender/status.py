@@ -30,7 +30,6 @@ class ProbeStatus:
 
 def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[ProbeStatus]:
     """The state of every probe of a scene, by name."""
-    view_layer.update()
     fingerprint = SceneFingerprint(scene, view_layer)
     return [_status(probe, view_layer, fingerprint) for probe in all_probes(scene)]
 

@@ -77,8 +77,6 @@ def sample_faces(faces: Sequence[np.ndarray], overscan: int, directions: np.ndar
     result = np.empty((len(flat), faces[0].shape[2]), np.float32)
     for k, face in enumerate(FACES):
         chosen = np.flatnonzero(index == k)
-        if not len(chosen):
-            continue
         d = flat[chosen]
         depth = d @ np.array(face.forward, np.float64)
         a = (d @ np.array(face.right, np.float64)) / depth

@@ -38,7 +38,6 @@ class Op(Enum):
 
 
 _TO_SCALAR = {Op.DOT, Op.LENGTH, Op.COMPONENT_X, Op.COMPONENT_Y, Op.COMPONENT_Z}
-_TO_VECTOR = {Op.COMBINE, Op.NORMALIZE, Op.REFLECT}
 
 
 class Expr:
@@ -116,9 +115,7 @@ class Operation(Expr):
     def width(self) -> int:
         if self.op in _TO_SCALAR:
             return 1
-        if self.op in _TO_VECTOR:
-            return 3
-        return max(argument.width for argument in self.args)
+        return 3 if self.op is Op.COMBINE else max(argument.width for argument in self.args)
 
 
 @dataclass(frozen=True, eq=False)

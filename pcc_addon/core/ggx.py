@@ -33,7 +33,6 @@ def _visible_normals(view_cosine: float, alpha: float, grid: int) -> np.ndarray:
     height = np.sqrt(np.maximum(0.0, 1.0 - t1 * t1 - t2 * t2))
     normal = t1[:, None] * across + t2[:, None] * up + height[:, None] * view
     normal *= (alpha, alpha, 1.0)
-    normal[:, 2] = np.maximum(normal[:, 2], 1e-12)
     return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
 

@@ -11,6 +11,7 @@ from mathutils import Euler, Matrix
 
 from pcc_addon.blender.read.probes import probe_spec
 from pcc_addon.blender.shade import probe_group
+from pcc_addon.blender.shade.drivers import driven_object, driven_vector
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from sample_blends.scenes import principled
 from tests.blender.helpers import pretend_bake, small_probe
@@ -142,9 +143,22 @@ def test_shaders_read_the_values_that_the_drivers_give(probe) -> None:
     for name in expected:
         tree.interface.new_socket(name, in_out="OUTPUT", socket_type="NodeSocketVector")
         tree.links.new(tree.nodes[name].outputs[0].links[0].to_node.outputs[0], sink.inputs[name])
-    found = evaluate_group(tree, {"Normal": np.zeros((1, 3))}, list(expected))
+    found = evaluate_group(tree, {"Normal": np.zeros((1, 3)), "Direction": np.zeros((1, 3))}, list(expected))
     for name, values in expected.items():
         assert np.allclose(found[name][0], values, rtol=2 * EPS, atol=0.0), name
+
+
+def test_driven_nodes_stand_side_by_side_and_say_whose_they_are(probe) -> None:
+    tree = bpy.data.node_groups.new("Group", "ShaderNodeTree")
+    assert driven_object(tree) is None
+    tree.animation_data_create()
+    assert driven_object(tree) is None
+    socket, (node, unscale) = driven_vector(tree, probe, "Box Centre", (-720.0, -160.0))
+    assert (tuple(node.location), tuple(unscale.location)) == ((-720.0, -160.0), (-520.0, -160.0))
+    assert node.name == node.label == "Box Centre" and socket == unscale.outputs["Vector"]
+    assert driven_object(tree) == probe
+    bpy.data.objects.remove(probe)
+    assert driven_object(tree) is None
 
 
 def test_every_driver_runs_where_scripts_are_disabled(probe) -> None:

@@ -43,7 +43,9 @@ def test_a_plain_material_has_one_surface_with_its_values() -> None:
     assert surface.scalar("IOR") == 1.5 and surface.color("Specular Tint") == (1.0, 1.0, 1.0)
     reading = read_material(material)
     assert reading.name == "Shiny" and reading.obstacles == () and reading.shown == ()
-    assert reading.textures == 0 and not reading.emits
+    assert reading.textures == 0 and not reading.emits and reading.bends_normals
+    material.cycles.use_bump_map_correction = False
+    assert not read_material(material).bends_normals
 
 
 def test_every_surface_is_found_once() -> None:
@@ -175,6 +177,14 @@ def test_a_grease_pencil_material_is_left_alone() -> None:
     material = bpy.data.materials.new("Ink")
     bpy.data.materials.create_gpencil_data(material)
     assert read_material(material).obstacles == ("is a grease pencil material",)
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0), reason="every material is made of nodes")
+def test_a_material_without_nodes_is_left_alone() -> None:
+    material = shiny()
+    material.use_nodes = False
+    for plain in (material, bpy.data.materials.new("Plain")):
+        assert read_material(plain).obstacles == ("uses no nodes: switch Use Nodes on",)
 
 
 def test_shaders_that_feed_themselves_are_named() -> None:

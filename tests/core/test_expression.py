@@ -135,6 +135,43 @@ def test_an_expression_used_twice_is_evaluated_once() -> None:
     assert value(doubled, a=3.0) == 3.0 * 2.0**40
 
 
+LOOKED = ex.Sample("Sky", U * A)
+FORMULA = ex.Formula(
+    "Of Many",
+    {"Sum": ex.Section("Sum", LOOKED + V), "Again": LOOKED, "Other": ex.Sample("Sea", V) * ex.scalar("Way In")},
+)
+
+
+def test_a_formula_knows_what_it_reads_in_the_order_of_its_first_use() -> None:
+    assert {name: part.width for name, part in FORMULA.inputs.items()} == {"u": 3, "a": 1, "v": 3, "Way In": 1}
+    assert list(FORMULA.inputs) == ["u", "a", "v", "Way In"] and FORMULA.pictures == ("Sky", "Sea")
+    outer = ex.Formula("Outer", {"Result": FORMULA(u=B * V, v=(1.0, 2.0, 3.0))["Sum"]})
+    assert list(outer.inputs) == ["b", "v", "a", "Way In"] and outer.pictures == (), "it samples nothing itself"
+
+
+def test_the_parts_of_a_formula_come_once_and_after_what_they_are_made_of() -> None:
+    parts = list(FORMULA.parts())
+    assert len({id(part) for part in parts}) == len(parts) == 10
+    for k, part in enumerate(parts):
+        assert all(argument in parts[:k] for argument in ex.arguments_of(part))
+    assert set(FORMULA.outputs.values()) <= set(parts)
+    doubled: ex.Expr = A
+    for _ in range(40):
+        doubled = doubled + doubled
+    assert len(list(ex.Formula("Doubled", {"Result": doubled}).parts())) == 41
+
+
+def test_a_call_gives_inputs_other_expressions_and_passes_on_the_rest() -> None:
+    calls = FORMULA(Way_In=2.0, u=V)
+    found = dict(zip(FORMULA.inputs, calls.arguments, strict=True))
+    assert found["u"] is V and found["v"] is FORMULA.inputs["v"] and found["Way In"].value == (2.0,)
+    assert (calls["Sum"].output, calls["Sum"].width, calls["Sum"].calls) == ("Sum", 3, calls)
+    double = ex.Formula("Double", {"Twice": A * 2.0, "More": A + B})
+    np.testing.assert_array_equal(value(double(a=B + 1.0)["Twice"] - double(b=A)["More"], a=10.0, b=3.0), -12.0)
+    with pytest.raises(TypeError, match=r"formula 'Of Many' has no input \['w', 'x y'\]"):
+        FORMULA(x_y=1.0, u=U, w=2.0)
+
+
 def test_a_missing_input_is_named() -> None:
     with pytest.raises(KeyError, match="Box Centre"):
         evaluate({"out": ex.vector("Box Centre") + 1.0}, {})

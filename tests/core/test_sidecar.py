@@ -85,6 +85,10 @@ def test_the_text_explains_itself_to_other_programs() -> None:
     document = json.loads(RECORD.to_json())
     assert document["format"] == "parallax-probe"
     assert document["version"] == VERSION
+    assert document["convention"]["space"] == "world axes, Z up, right-handed, metres, scene-linear radiance"
+    assert document["convention"]["picture"] == (
+        "equirectangular, u = 1/2 - atan2(y, x) / 2 pi, v = 1/2 + asin(z) / pi from the bottom"
+    )
     faces = document["convention"]["faces"]
     assert [face["name"] for face in faces] == [face.name for face in FACES]
     assert [tuple(face["up"]) for face in faces] == [face.up for face in FACES]
@@ -179,6 +183,20 @@ def test_lists_of_numbers_are_as_long_as_they_must_be_and_hold_finite_numbers(na
         assert f"'{name}' is not {count} finite numbers" in refusal(edited(**{name: wrong}))
     for wrong in ("7" * count, [*numbers[:-1], "0"], [*numbers[:-1], None], [*numbers[:-1], 10**400]):
         refusal(edited(**{name: wrong}))
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "wrong"),
+    [
+        ("seconds", "finite number", [True, "5", None, float("nan"), float("inf"), [1.0]]),
+        ("resolution", "whole number", [True, "5", None, 1.5, -1]),
+        ("blender", "text", [True, 5, None, ["5.2"]]),
+    ],
+)
+def test_a_value_of_another_kind_is_refused(name: str, kind: str, wrong: list) -> None:
+    for value in wrong:
+        assert f"is no {kind}" in refusal(edited(**{name: value}))
+    assert Sidecar.from_json(edited(seconds=0, resolution=0, blender=""), "here").seconds == 0.0
 
 
 def test_text_cut_off_anywhere_is_refused() -> None:

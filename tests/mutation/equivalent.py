@@ -23,6 +23,26 @@ _ENGINES = 'for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=F
 _SAMPLING = 'if material.cycles.emission_sampling == "NONE":'
 _SAME_OUTPUTS = "if tree is None or before in (None, probe_group.outputs(tree)):"
 _SHOWN = "if material.node_tree and tree in shown_probe_groups(material):"
+_ROW = "result[row] = gain[row] * np.fft.irfft(real + 1j * imaginary, n=width).T"
+_CLEANED = (
+    "cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST)"
+    ".astype(np.float32)"
+)
+_FACE_OF = "index = 2 * axis + (np.take_along_axis(flat, axis[:, None], -1)[:, 0] < 0)"
+_GRID = 'u1, u2 = (a.ravel() for a in np.meshgrid(u, u, indexing="ij"))'
+_AVERAGES = (
+    "def directional_averages("
+    "cosines: np.ndarray, roughness: float, curves: Sequence[Curve], grid: int = 96) -> np.ndarray:"
+)
+_UNIT = "return normal / np.linalg.norm(normal, axis=-1, keepdims=True)"
+_LEAVES = (
+    "return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)"
+)
+_SEEN = "return np.where(light_cosine > 0.0, distribution * masking, 0.0)"
+_FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
+_ARGUMENTS = "given = zip(formula.inputs, expr.calls.arguments, strict=True)"
+_SINK = 'emitter.layout.add(sink, max(depths, default=0), "")'
+_OF_NUMBERS = "elif all(part.width == 1 for part in (expr, *expr.args)):"
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -51,5 +71,20 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
         "blender/shade/live.py", _SHOWN, "material.node_tree and tree in shown_probe_groups(material)",
         "material.node_tree or tree in shown_probe_groups(material)",
     ): "those without twins are passed over",
+    ("core/prefilter.py", _ROW, "n=width", ""): "NumPy's own default: a row has an even number of texels",
+    ("core/radiance.py", _CLEANED, "nan=0.0", ""): "NumPy's own default",
+    ("core/radiance.py", _CLEANED, "neginf=0.0", ""): "the smallest number is clipped to 0 too",
+    ("core/cubemap.py", _FACE_OF, "-1", "1"): "the last axis of two",
+    ("core/ggx.py", _GRID, "indexing='ij'", ""): "the same samples in another order",
+    ("core/ggx.py", _AVERAGES, "96", "97"): "as many points of a quadrature",
+    ("core/ggx.py", _UNIT, "-1", "1"): "the last axis of two",
+    ("core/ggx.py", _LEAVES, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
+    ("core/ggx.py", _SEEN, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
+    ("blender/shade/drivers.py", _FACES, "strict=True", ""): "all are as long",
+    ("blender/shade/drivers.py", _FACES, "True", "False"): "all are as long",
+    ("blender/shade/node_builder.py", _ARGUMENTS, "strict=True", ""): "a call has an argument for each input",
+    ("blender/shade/node_builder.py", _ARGUMENTS, "True", "False"): "a call has an argument for each input",
+    ("blender/shade/node_builder.py", _SINK, "0", "1"): "where a node stands that is alone",
+    ("blender/shade/node_builder.py", _OF_NUMBERS, "expr", ""): "of numbers alone only Combine makes a vector",
 }  # fmt: skip
 """Why, by module, source line without its indentation, what was replaced, and by what."""

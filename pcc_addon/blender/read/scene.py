@@ -75,12 +75,12 @@ def missing_textures(view_layer: bpy.types.ViewLayer, world: bpy.types.World | N
     trees = {material.node_tree for _, shown in _placements(view_layer) for material in shown if material.node_tree}
     if world and world.node_tree:
         trees.add(world.node_tree)
-    found = {}
+    found = []
     for image in sorted({i for tree in trees for i in _images(tree, set())}, key=lambda i: i.name_full):
         path = bpy.path.abspath(image.filepath, library=image.library)
         if image.source == "FILE" and not image.packed_file and not Path(path).is_file():
-            found[image.name] = f"image '{image.name}': its file '{path}' is missing; relink it or pack it"
-    return list(found.values())
+            found.append(f"image '{image.name}': its file '{path}' is missing; relink it or pack it")
+    return found
 
 
 def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading, list[bpy.types.Material]]]:

@@ -91,7 +91,7 @@ def check_pixels(probe: str, image: bpy.types.Image | None) -> int:
     """
     name = image.name if image else "of a level"
     width, height = image.size if image else (0, 0)
-    if not height or width != 2 * height or (not image.has_data and not len(image.pixels)):
+    if not height or width != 2 * height:
         raise BakeError(f"probe '{probe}': its picture '{name}' is missing or cannot be read; bake it again")
     return height
 
@@ -118,22 +118,29 @@ def write_file(path: Path, picture: np.ndarray) -> None:
             image.save_render(str(path), scene=at.scene())
         except RuntimeError as error:
             raise BakeError(_cannot_write(path, error)) from error
-    if not is_whole(path, width, height):
-        path.unlink(missing_ok=True)
-        raise BakeError(_cannot_write(path, "the file came out incomplete"))
+        if not _holds(path, pixels[..., :3]):
+            path.unlink(missing_ok=True)
+            raise BakeError(_cannot_write(path, "the file came out incomplete"))
 
 
 def _cannot_write(path: Path, why: object) -> str:
-    return f"cannot write '{path}' ({str(why).strip()}); free space on the disk or choose another folder"
+    return f"cannot write '{path}' ({' '.join(str(why).split())}); free space on the disk or choose another folder"
+
+
+def _holds(path: Path, picture: np.ndarray) -> bool:
+    """Whether a file can be read back as it was meant; a full disk may cut one short without an error."""
+    try:
+        return path.is_file() and np.array_equal(read_file(path), picture)
+    except BakeError:
+        return False
 
 
 def is_whole(path: Path, width: int, height: int) -> bool:
-    """Whether an EXR file can be read back; a full disk may leave a torn one without an error."""
-    if not path.is_file() or not path.stat().st_size:
+    """Whether an EXR file of a size can be read; before Blender 5.0 one whose end is missing can be."""
+    if not path.is_file():
         return False
     with desk() as at:
-        image = at.read(path)
-        return tuple(image.size) == (width, height) and len(image.pixels) == width * height * 4
+        return tuple(at.read(path).size) == (width, height)  # that of a file that cannot be read is (0, 0)
 
 
 def load(path: Path) -> bpy.types.Image:
