@@ -115,7 +115,7 @@ def _follow(probe: bpy.types.Object, roughness_limit: float, *, moved: bool) -> 
         record, spec = bake_record(probe), probe_spec(probe)
         if record is None:
             return
-        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point)
+        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point, record.source)
         if copied or probe_group.shown_effects(tree) != needed.label:
             live.refresh_probe(probe, roughness_limit)
         else:
