@@ -49,6 +49,7 @@ class PCC_Probe(bpy.types.PropertyGroup):
         description="An equirectangular picture, a cross or a strip of six faces, or one of six files whose names end "
         "in their faces (px nx py ny pz nz, right left top bottom front back …)",
         subtype="FILE_PATH",
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
     )
     resolution: bpy.props.IntProperty(
         name="Resolution",
