@@ -58,7 +58,7 @@ class PCC_PT_hidden(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object.pcc_probe.source == "BAKE"
+        return context.object is not None and context.object.pcc_probe.source == "BAKE"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

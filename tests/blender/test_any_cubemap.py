@@ -324,6 +324,20 @@ def test_the_operator_keeps_the_path_relative_and_refuses_what_is_no_set(scene, 
     assert bake(probe)[0].error is None
 
 
+def test_a_file_that_is_saved_elsewhere_still_finds_its_picture(scene, tmp_path: Path) -> None:
+    probe = small_probe()
+    save(tmp_path / "room.blend")
+    shows(probe, sky(tmp_path))
+    probe.pcc_probe.picture = "//sky.exr"
+    save(tmp_path / "other.blend")
+    assert probe.pcc_probe.picture == "//sky.exr", "the same folder"
+    (tmp_path / "elsewhere").mkdir()
+    save(tmp_path / "elsewhere" / "room.blend")
+    assert bake(probe)[0].error is None
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "elsewhere" / "room.blend"))
+    assert bake(bpy.data.objects["Probe"])[0].error is None
+
+
 def test_the_operator_wants_a_probe(scene) -> None:
     bpy.context.view_layer.objects.active = None
     assert not bpy.ops.pcc.picture_choose.poll()
