@@ -40,6 +40,11 @@ def test_a_file_of_another_kind_or_beginning_is_none_of_the_six(tmp_path: Path) 
     assert missing_faces(first) == ("a_nz.png",)
 
 
+def test_where_a_name_belongs_to_two_sets_the_one_that_lacks_least_is_meant(tmp_path: Path) -> None:
+    paths = make(tmp_path, "z_right.png", "z_left.png", "z_up.png", "z_down.png", "z_front.png")
+    assert missing_faces(paths[0]) == ("z_back.png",)
+
+
 def test_a_single_file_is_itself_whatever_it_is_called(tmp_path: Path) -> None:
     for name in ("sky.hdr", "garden_right.hdr", "px.png"):
         [path] = make(tmp_path, name)

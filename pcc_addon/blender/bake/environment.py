@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -74,11 +74,10 @@ def _world(spec: ProbeSpec, scene: bpy.types.Scene) -> Generator[str, None, Envi
         for name in ("threads_mode", "threads"):
             override(stack, empty.render, name, getattr(scene.render, name))
         stage = Stage(stack, empty, empty.view_layers[0])
-        alone = replace(spec, hidden=())
-        stage.aim(stack, alone)
+        stage.aim(stack, spec)
         for index, face in enumerate(FACES):
             yield f"world, face {face.name}"
-            picture, bad = radiance.clean(index, stage.face(alone, index), OVERSCAN)
+            picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
             faces.append(picture)
             replaced += [str(bad)] if bad else []
     axes = np.linalg.inv(spec.box.face_normals)
