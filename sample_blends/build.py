@@ -11,7 +11,7 @@ import bpy
 
 import pcc_addon
 
-from . import scenes
+from . import any_cubemap, scenes
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -21,6 +21,8 @@ def main() -> None:
     atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
     _save("emissive_room.blend", _emissive_room_with_probe)
     _save("gallery.blend", scenes.gallery)
+    any_cubemap.write_cross(any_cubemap.PICTURE, 64)
+    _save("any_cubemap.blend", any_cubemap.any_cubemap)
 
 
 def _emissive_room_with_probe() -> None:

@@ -10,6 +10,7 @@ import bpy
 
 from ..core.errors import PccError
 from . import marks, properties
+from .probes import keep_pictures_found
 from .read.probes import all_probes, bake_record, probe_spec
 from .shade import groups, injection, live, probe_group
 from .store import leftovers
@@ -74,6 +75,13 @@ def on_close(*_: object) -> None:
 
 
 @bpy.app.handlers.persistent
+def before_save(path: str, *_: object) -> None:
+    """Pictures that are named from the file's folder are still found from another."""
+    if path:
+        keep_pictures_found(Path(path).resolve().parent)
+
+
+@bpy.app.handlers.persistent
 def on_save(path: str, *_: object) -> None:
     """Pictures that the saved file shows no more can go."""
     if path:
@@ -115,7 +123,7 @@ def _follow(probe: bpy.types.Object, roughness_limit: float) -> None:
         record, spec = bake_record(probe), probe_spec(probe)
         if record is None:
             return
-        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point)
+        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point, record.source)
         if copied or probe_group.shown_effects(tree) != needed.label:
             live.refresh_probe(probe, roughness_limit)
         else:
@@ -130,6 +138,7 @@ _HANDLERS = (
     ("redo_post", on_undo),
     ("load_pre", on_close),
     ("load_post", on_load),
+    ("save_pre", before_save),
     ("save_post", on_save),
 )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Sequence
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -53,6 +54,15 @@ def ensure_uid(probe: bpy.types.Object) -> str:
     if not settings.uid or (twin is not None and _baked_as(probe) != probe.name):
         settings.uid = uuid.uuid4().hex
     return settings.uid
+
+
+def keep_pictures_found(folder: Path) -> None:
+    """Name the pictures that probes are given by whole paths, where the file is about to be saved in another folder."""
+    if not bpy.data.filepath or Path(bpy.data.filepath).resolve().parent == folder:
+        return
+    for probe in bpy.data.objects:
+        if probe.pcc_probe.is_probe and not probe.library and probe.pcc_probe.picture.startswith("//"):
+            probe.pcc_probe.picture = bpy.path.abspath(probe.pcc_probe.picture)
 
 
 def _baked_as(probe: bpy.types.Object) -> str | None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import bpy
 
 from ..core.effects.records import Outside
-from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Engine
+from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Engine, Source
 
 shader_listeners: list[Callable[[bpy.types.Object], None]] = []
 """Called with a probe whose settings changed that its shader depends on."""
@@ -35,6 +35,22 @@ class PCC_Probe(bpy.types.PropertyGroup):
     """A parallax probe. The object's own transform is the box: local [−1, 1]³."""
 
     is_probe: bpy.props.BoolProperty(name="Parallax Probe", description="This empty is a parallax probe")
+    source: bpy.props.EnumProperty(
+        name="Source",
+        description="Where the probe's pictures come from",
+        items=[
+            (Source.BAKE.value, "Bake", "Render the scene from the capture point"),
+            (Source.IMAGE.value, "Image", "A cubemap from files, stretched to the box and turned with it"),
+            (Source.WORLD.value, "World", "The scene's world alone, stretched to the box"),
+        ],
+    )
+    picture: bpy.props.StringProperty(
+        name="Picture",
+        description="An equirectangular picture, a cross or a strip of six faces, or one of six files whose names end "
+        "in their faces (px nx py ny pz nz, right left top bottom front back …)",
+        subtype="FILE_PATH",
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+    )
     resolution: bpy.props.IntProperty(
         name="Resolution",
         description="Width of one 90° face in pixels; twice as much halves the error and takes four times as long",

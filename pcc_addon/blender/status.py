@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..core.errors import PccError
+from ..core.probe import Source
 from .read.fingerprint import SceneFingerprint
 from .read.probes import all_probes, bake_record, check_place, probe_spec
 from .store.levels import faulty_picture
@@ -39,6 +40,7 @@ def _status(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, fingerprin
         check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
+        changed = record is not None and record.content_hash != fingerprint.content_hash(spec)
     except PccError as error:
         return ProbeStatus(probe.name, "error", str(error))
     if record is None:
@@ -46,9 +48,12 @@ def _status(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, fingerprin
     fault = faulty_picture(probe, record)
     if fault:
         return ProbeStatus(probe.name, "stale", f"{fault}; bake it again")
-    if record.content_hash != fingerprint.content_hash(spec):
-        return ProbeStatus(probe.name, "stale", "the scene or the probe changed since its bake")
+    if changed:
+        return ProbeStatus(probe.name, "stale", f"{_CHANGED[spec.source]} or the probe changed since its bake")
     return ProbeStatus(probe.name, "baked")
+
+
+_CHANGED = {Source.BAKE: "the scene", Source.IMAGE: "its image", Source.WORLD: "the world"}
 
 
 def stale_probes(

@@ -44,6 +44,9 @@ def parser(file_is_open: bool) -> argparse.ArgumentParser:
     bake.add_argument("--resolution", type=int, metavar="PX", help="set the probes' face width")
     bake.add_argument("--samples", type=int, metavar="N", help="set the probes' samples")
     bake.add_argument(
+        "--picture", type=Path, metavar="FILE", help="let the probes show this cubemap (a file, or one of six faces)"
+    )
+    bake.add_argument(
         "--allow-missing-textures", action="store_true", help="missing image files, baked in pink, are no failure"
     )
     sub("inject", "let the materials show the baked probes")

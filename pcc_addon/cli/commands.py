@@ -18,8 +18,9 @@ from ..blender.status import stale_probes, statuses
 from ..blender.store import leftovers
 from ..blender.store.levels import bake_folder
 from ..core.errors import PccError
+from ..core.picture_files import picture_files
 from ..core.plan_report import lines, records
-from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES
+from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Source
 from ..stopping import Stop
 from .voice import Voice
 
@@ -111,6 +112,10 @@ def _apply_settings(options: argparse.Namespace, probes: Sequence[bpy.types.Obje
         )
     if options.samples is not None and not 1 <= options.samples <= MOST_SAMPLES:
         raise PccError(f"--samples {options.samples}: choose between 1 and {MOST_SAMPLES}")
+    if options.picture is not None:
+        for probe in probes:
+            picture_files(probe.name, str(options.picture))
+            probe.pcc_probe.source, probe.pcc_probe.picture = Source.IMAGE.value, str(options.picture.resolve())
     for name in ("engine", "resolution", "samples"):
         value = getattr(options, name)
         if value is not None:

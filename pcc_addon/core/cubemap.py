@@ -6,7 +6,7 @@ Blender's images; a texel of face f at (a, b) ∈ [−1, 1]² lies in the direct
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,20 +71,29 @@ def sample_faces(faces: Sequence[np.ndarray], overscan: int, directions: np.ndar
     size = faces[0].shape[0]
     resolution = size - 2 * overscan
     flat = np.asarray(directions, np.float64).reshape(-1, 3)
-    magnitude = np.abs(flat)
-    axis = magnitude.argmax(-1)
-    index = 2 * axis + (np.take_along_axis(flat, axis[:, None], -1)[:, 0] < 0)
     result = np.empty((len(flat), faces[0].shape[2]), np.float32)
-    for k, face in enumerate(FACES):
-        chosen = np.flatnonzero(index == k)
-        d = flat[chosen]
-        depth = d @ np.array(face.forward, np.float64)
-        a = (d @ np.array(face.right, np.float64)) / depth
-        b = (d @ np.array(face.up, np.float64)) / depth
+    for k, chosen, a, b in find_faces(flat):
         column = (a + 1.0) * (0.5 * resolution) - 0.5 + overscan
         row = (b + 1.0) * (0.5 * resolution) - 0.5 + overscan
         result[chosen] = _bicubic(faces[k], row, column)
     return result.reshape(*np.shape(directions)[:-1], -1)
+
+
+def find_faces(directions: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray]]:
+    """Which faces directions (n, 3) float64 meet, and where.
+
+    Yields:
+        For each face that is met: its place in `FACES`, the indices (k,) of its directions, and their a and b (k,).
+    """
+    axis = np.abs(directions).argmax(-1)
+    index = 2 * axis + (np.take_along_axis(directions, axis[:, None], -1)[:, 0] < 0)
+    for k, face in enumerate(FACES):
+        chosen = np.flatnonzero(index == k)
+        if not len(chosen):
+            continue
+        d = directions[chosen]
+        depth = d @ np.array(face.forward, np.float64)
+        yield k, chosen, *(d @ np.array(axis, np.float64) / depth for axis in (face.right, face.up))
 
 
 def _bicubic(image: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:

@@ -33,15 +33,27 @@ def solid_angles(width: int, height: int) -> np.ndarray:
     return np.diff(edges) * (2.0 * np.pi / width)
 
 
-def from_faces(faces: Sequence[np.ndarray], overscan: int, rows_at_once: int = 64) -> np.ndarray:
-    """The equirectangular picture (2n, 4n, channels) float32 of six faces with n texels across 90°."""
+def from_faces(
+    faces: Sequence[np.ndarray], overscan: int, rows_at_once: int = 64, axes: np.ndarray | None = None
+) -> np.ndarray:
+    """The equirectangular picture (2n, 4n, channels) float32 of six faces with n texels across 90°.
+
+    Args:
+        faces, overscan: as `sample_faces` has them.
+        rows_at_once: of the picture; more take more memory.
+        axes: (3, 3), columns: where the picture's axes point to, in the space of the faces; None: the same space.
+    """
     resolution = faces[0].shape[0] - 2 * overscan
     width, height = 4 * resolution, 2 * resolution
     blocks = [
-        sample_faces(faces, overscan, directions(width, height, slice(start, start + rows_at_once)))
+        sample_faces(faces, overscan, _turned(directions(width, height, slice(start, start + rows_at_once)), axes))
         for start in range(0, height, rows_at_once)
     ]
     return np.concatenate(blocks)
+
+
+def _turned(vectors: np.ndarray, axes: np.ndarray | None) -> np.ndarray:
+    return vectors if axes is None else vectors @ axes.T
 
 
 def lookup(picture: np.ndarray, vectors: np.ndarray) -> np.ndarray:

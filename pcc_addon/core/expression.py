@@ -120,7 +120,7 @@ class Operation(Expr):
 
 @dataclass(frozen=True, eq=False)
 class Sample(Expr):
-    """The radiance of an equirectangular picture along a world-space direction of any length but 0."""
+    """The radiance of an equirectangular picture along a direction in its axes, of any length but 0."""
 
     picture: str
     direction: Expr

@@ -14,7 +14,7 @@ from .effects.surface import SurfaceEffects, surface_effects
 from .effects.transmission import Interface
 from .pictures import LADDER, PictureKey, PictureKind
 from .probe import ProbeSpec, Receivers
-from .readings import CameraReading, MaterialReading, SceneReading, SurfaceReading
+from .readings import CameraReading, MaterialReading, ProbeReading, SceneReading, SurfaceReading
 
 _THIN = 0.08  # thinness of a wall below which it is a pane
 SAMPLERS = 30  # pictures that EEVEE lets a material read, beside two of its own
@@ -51,7 +51,7 @@ class SurfacePlan:
 
     @property
     def captured_whole(self) -> bool:
-        """Whether captures show its own lobes though they depend on where one stands, as glass is to be seen through."""
+        """Whether captures show its own lobes though they depend on the place, as glass is to be seen through."""
         return self.effects is not None and self.effects.transmits
 
 
@@ -141,8 +141,8 @@ def make_plan(scene: SceneReading) -> Plan:
         if owners:
             surfaces = plan_surfaces(material, scene.roughness_limit, shapes.get(material.name, Interface.SOLID))
             materials.append(_plan_material(material, owners, surfaces))
-    captured = {probe.name: probe.captured_at for probe in scene.probes}
-    probes = [_plan_probe(spec, materials, found, scene.cameras, captured[spec.name]) for spec in specs]
+    read = {probe.name: probe for probe in scene.probes}
+    probes = [_plan_probe(spec, materials, found, scene.cameras, read[spec.name]) for spec in specs]
     return Plan(tuple(probes), tuple(materials), tuple(notes))
 
 
@@ -240,7 +240,7 @@ def _plan_probe(
     materials: Sequence[MaterialPlan],
     found: Belongings,
     cameras: Sequence[CameraReading],
-    captured_at: tuple[float, float, float] | None,
+    reading: ProbeReading,
 ) -> ProbePlan:
     showing = [material.material for material in materials if spec.name in material.probes]
     shared = [m.material for m in materials if spec.name in m.probes and len(m.probes) > 1]
@@ -248,8 +248,10 @@ def _plan_probe(
     touching = [name for name in showing if name in found.touching.get(spec.name, ())]
     watched = bool(touching) and not _all_within(spec, cameras)
     receivers = Receivers(all_inside=not outside, seen_from_outside=watched)
-    point = captured_at if captured_at is not None else tuple(float(c) for c in spec.capture_point)
-    lookup = spec.effects(receivers, point)
+    if reading.captured_at is not None:
+        lookup = spec.effects(receivers, reading.captured_at, reading.source)
+    else:
+        lookup = spec.effects(receivers, tuple(spec.capture_point), spec.source)
     reasons = [f"{len(showing)} materials show it" if showing else "no material shows it"]
     if outside:
         reasons.append(f"surfaces of {_named(outside)} reach beyond its box, so it fades")
@@ -257,6 +259,8 @@ def _plan_probe(
         reasons.append(
             f"surfaces of {_named(touching)} lie on its box and may be seen from outside, where it is not shown"
         )
+    if lookup.stretched:
+        reasons.append("its picture was not captured in its box, so it is stretched to it and turns with it")
     if shared:
         reasons.append(f"shares {_named(shared)} with other probes, by place")
     reasons.append("all levels, so that a changed roughness needs no new bake")

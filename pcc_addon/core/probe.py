@@ -28,6 +28,19 @@ class Engine(str, Enum):
     EEVEE = "EEVEE"
 
 
+class Source(str, Enum):
+    """Where a probe's pictures come from."""
+
+    BAKE = "BAKE"  # six renders from the capture point
+    IMAGE = "IMAGE"  # a cubemap that the user gives, stretched to the box
+    WORLD = "WORLD"  # the scene's world alone, stretched to the box
+
+    @property
+    def stretched(self) -> bool:
+        """Whether the pictures were not captured in the box, so that they are stretched to it."""
+        return self is not Source.BAKE
+
+
 @dataclass(frozen=True)
 class Box:
     """A proxy box: the image of [−1, 1]³ under a 4×4 matrix; a parallelepiped where a parent shears it.
@@ -99,6 +112,15 @@ class Box:
         rest = np.abs(straight - np.diag(np.diag(straight))) / self.half_extents
         return Correction.TURNED_BOX if (rest <= _UPRIGHT).all() else Correction.ORIENTED_BOX
 
+    @property
+    def own_axes_correction(self) -> Correction:
+        """The cheapest correction that tells the directions of the box's own axes apart, not only its faces."""
+        along_x = self.turn_mirror[1] == 1.0
+        upright = self.axes[2, 2] > 0.0 and np.linalg.det(self.axes) > 0.0
+        if not upright or self.correction is Correction.ORIENTED_BOX:
+            return Correction.ORIENTED_BOX
+        return self.correction if along_x else Correction.TURNED_BOX
+
     def coordinates(self, points: np.ndarray) -> np.ndarray:
         """World-space points (n, 3) as metres from the centre along the face normals, (n, 3)."""
         return (points - self.centre) @ self.face_normals.T
@@ -136,6 +158,8 @@ class ProbeSpec:
         corrected: False for the classic, uncorrected lookup.
         hidden: names of objects that the capture leaves out.
         animated: whether animation, constraints or parents may move it while nobody looks.
+        source: where its pictures come from.
+        picture: the file of an image, or one of its six; empty where none is chosen.
     """
 
     name: str
@@ -153,6 +177,8 @@ class ProbeSpec:
     corrected: bool = True
     hidden: tuple[str, ...] = field(default=())
     animated: bool = False
+    source: Source = Source.BAKE
+    picture: str = ""
 
     def __post_init__(self) -> None:
         if not MINIMUM_RESOLUTION <= self.resolution <= MAXIMUM_RESOLUTION:
@@ -175,25 +201,35 @@ class ProbeSpec:
 
     @property
     def capture_point(self) -> np.ndarray:
-        """(3,) float64, world space, metres: where the cameras stand."""
+        """(3,) float64, world space, metres: where the cameras stand; the box's centre for pictures from elsewhere."""
+        if self.source.stretched:
+            return self.box.centre
         unit_axes = self.box.axes / self.box.half_extents
         return self.box.centre + unit_axes @ np.array(self.capture_offset)
 
-    def effects(self, receivers: Receivers, captured_at: Sequence[float]) -> LookupEffects:
+    def effects(
+        self, receivers: Receivers, captured_at: Sequence[float], source: Source = Source.BAKE
+    ) -> LookupEffects:
         """The lookup effects that the probe requires; all that there are where it is animated.
 
         Args:
             receivers: what is known of the surfaces that show it.
             captured_at: where its pictures were taken, world space, metres.
+            source: where its pictures came from, whatever its next ones will.
         """
-        if not self.corrected:
-            return LookupEffects(Correction.NONE, None, False)
+        stretched = source.stretched
+        correction = self.box.own_axes_correction if stretched else self.box.correction
         if self.animated:
-            return LookupEffects(Correction.ORIENTED_BOX, self.outside, offset=True, facing=True)
-        offset = tuple(captured_at) != tuple(self.box.centre)
+            correction = Correction.ORIENTED_BOX
+        if not self.corrected:
+            turned = stretched and correction is not Correction.ALIGNED_BOX
+            return LookupEffects(Correction.NONE, None, False, stretched=turned)
+        if self.animated:
+            return LookupEffects(correction, self.outside, offset=not stretched, facing=True, stretched=stretched)
+        offset = not stretched and tuple(captured_at) != tuple(self.box.centre)
         facing = receivers.seen_from_outside
         outside = None if receivers.all_inside and not facing else self.outside
-        return LookupEffects(self.box.correction, outside, offset, facing)
+        return LookupEffects(correction, outside, offset, facing, stretched)
 
     @property
     def boundary(self) -> float:

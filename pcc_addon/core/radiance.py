@@ -52,18 +52,40 @@ def clean(face_index: int, picture: np.ndarray, overscan: int = 0) -> tuple[np.n
 
     Pixels of the overscan are replaced too, but counted in the face within whose 90° they lie.
     """
-    not_finite = ~np.isfinite(picture)
-    with np.errstate(invalid="ignore"):
-        negative = ~not_finite & (picture < 0.0)
-        too_bright = ~not_finite & (picture >= BRIGHTEST)
-    bad = (not_finite | negative | too_bright).any(-1)
+    cleaned, masks = _replaced(picture)
+    bad = np.any(masks, 0)
     if not bad.any():
         return picture, None
-    cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST).astype(np.float32)
     inside = np.s_[overscan : len(picture) - overscan, overscan : len(picture) - overscan]
     places = np.argwhere(bad[inside])
     if not len(places):
         return cleaned, None
     row, column = (int(k) for k in places[0])
-    unfit, dark, bright = (int(mask[inside].any(-1).sum()) for mask in (not_finite, negative, too_bright))
+    unfit, dark, bright = (int(mask[inside].sum()) for mask in masks)
     return cleaned, BadPixels(FACES[face_index].name, unfit, dark, bright, (column, row))
+
+
+def clean_whole(name: str, picture: np.ndarray) -> tuple[np.ndarray, str]:
+    """A picture (h, w, 3) float32 that a user gave, without bad pixels; and what was replaced, empty for nothing."""
+    cleaned, masks = _replaced(picture)
+    counts = zip(masks, ("not finite", "negative", "too bright"), strict=True)
+    parts = [f"{int(mask.sum())} {what}" for mask, what in counts if mask.any()]
+    if not parts:
+        return picture, ""
+    return cleaned, f"picture '{name}': {', '.join(parts)} pixels were replaced"
+
+
+def linear_of_srgb(values: np.ndarray) -> np.ndarray:
+    """Light of sRGB's encoded values 0 … 1, of any shape, float32 (IEC 61966-2-1)."""
+    dark = values <= 0.04045
+    return np.where(dark, values / 12.92, ((values + 0.055) / 1.055) ** 2.4).astype(np.float32)
+
+
+def _replaced(picture: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """(h, w, 3) without bad pixels; and where they were (h, w): not finite, negative, too bright."""
+    not_finite = ~np.isfinite(picture)
+    with np.errstate(invalid="ignore"):
+        negative = ~not_finite & (picture < 0.0)
+        too_bright = ~not_finite & (picture >= BRIGHTEST)
+    cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST).astype(np.float32)
+    return cleaned, (not_finite.any(-1), negative.any(-1), too_bright.any(-1))

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .probe import ProbeSpec
+from .probe import ProbeSpec, Source
 
 Value = float | tuple[float, ...] | None
 
@@ -142,12 +142,14 @@ class ProbeReading:
         spec: its settings, or None where they are faulty.
         fault: what is wrong with it, a sentence that names it; empty: nothing.
         captured_at: where its pictures were taken, world space, metres; None before its first bake.
+        source: where its pictures came from.
     """
 
     name: str
     spec: ProbeSpec | None
     fault: str = ""
     captured_at: tuple[float, float, float] | None = None
+    source: Source = Source.BAKE
 
 
 @dataclass(frozen=True)

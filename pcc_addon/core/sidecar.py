@@ -17,9 +17,13 @@ import numpy as np
 from .cubemap import FACES
 from .errors import BakeError
 from .pictures import PictureKey, PictureKind
-from .probe import ProbeSpec
+from .probe import ProbeSpec, Source
 
 VERSION = 2
+_AXES = {
+    False: "world axes, Z up, right-handed",
+    True: "axes of the matrix, to be looked up along its inverse times the corrected direction",
+}
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 FORMAT = "parallax-probe"
 _INFINITE = float(np.finfo(np.float32).max)  # shaders compute in float32
@@ -84,6 +88,7 @@ class Sidecar:
         blender, addon: versions.
         levels: the pictures, sharpest first.
         replaced_pixels: what was wrong in the capture, in words.
+        source: where the pictures came from.
     """
 
     probe: str
@@ -101,6 +106,7 @@ class Sidecar:
     addon: str
     levels: tuple[Level, ...]
     replaced_pixels: tuple[str, ...] = ()
+    source: Source = Source.BAKE
 
     @classmethod
     def of_bake(
@@ -132,13 +138,14 @@ class Sidecar:
             addon=addon,
             levels=(),
             replaced_pixels=replaced_pixels,
+            source=spec.source,
         )
 
     def to_json(self) -> str:
         """The sidecar's text, with the format's version and the face convention."""
         convention = {
             "picture": "equirectangular, u = 1/2 - atan2(y, x) / 2 pi, v = 1/2 + asin(z) / pi from the bottom",
-            "space": "world axes, Z up, right-handed, metres, scene-linear radiance",
+            "space": f"{_AXES[self.source.stretched]}, metres, scene-linear radiance",
             "faces": [asdict(face) for face in FACES],
         }
         levels = [{**asdict(level), "key": level.key.text} for level in self.levels]
@@ -185,6 +192,7 @@ class Sidecar:
             addon=_text(plain["addon"]),
             levels=_levels(plain["levels"]),
             replaced_pixels=tuple(_text(words) for words in plain.get("replaced_pixels", ())),
+            source=Source(plain.get("source", Source.BAKE.value)),
         )
 
 

@@ -21,16 +21,24 @@ class PCC_PT_probe(bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         settings = context.object.pcc_probe
+        layout.prop(settings, "source")
         column = layout.column()
-        column.prop(settings, "engine")
+        if settings.source == "IMAGE":
+            row = column.row(align=True)
+            row.prop(settings, "picture")
+            row.operator("pcc.picture_choose", icon="FILE_IMAGE", text="")
+        else:
+            column.prop(settings, "engine")
         column.prop(settings, "resolution")
-        column.prop(settings, "samples")
-        if settings.engine == "CYCLES":
-            column.prop(settings, "denoise")
-        layout.prop(settings, "capture_offset")
-        column = layout.column(align=True)
-        column.prop(settings, "clip_start")
-        column.prop(settings, "clip_end", text="End")
+        if settings.source != "IMAGE":
+            column.prop(settings, "samples")
+            if settings.engine == "CYCLES":
+                column.prop(settings, "denoise")
+        if settings.source == "BAKE":
+            layout.prop(settings, "capture_offset")
+            column = layout.column(align=True)
+            column.prop(settings, "clip_start")
+            column.prop(settings, "clip_end", text="End")
         column = layout.column()
         column.prop(settings, "correction")
         box = column.column()
@@ -47,6 +55,10 @@ class PCC_PT_hidden(bpy.types.Panel):
     bl_region_type = "WINDOW"
     bl_context = "data"
     bl_parent_id = "PCC_PT_probe"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None and context.object.pcc_probe.source == "BAKE"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

@@ -170,6 +170,7 @@ LOOKUPS = [
     LookupEffects(Correction.NONE, None, False),
     *(LookupEffects(c, o) for c in Correction for o in (*Outside, None) if c is not Correction.NONE),
     *(LookupEffects(c, None, False) for c in Correction if c is not Correction.NONE),
+    *(LookupEffects(c, Outside.UNCORRECTED, False, stretched=True) for c in Correction),
 ]
 
 

@@ -14,7 +14,7 @@ from pcc_addon.core.effects.lookup import ON_WALL
 from pcc_addon.core.effects.records import Correction
 
 from .cases import Cases
-from .reference import Exact, angle
+from .reference import Exact, angle, own_way_round
 
 ROUNDOFF = 2.0**-24
 SMALLEST = 2.0**-126  # what is smaller may be flushed to zero
@@ -45,6 +45,31 @@ def direction_bound(cases: Cases, exact: Exact) -> np.ndarray:
         # P − B, the division in u and the product of both round by 3 u |P − B|, which is at most 3 (|D| + |R|); then
         # come the ray's own error and the last subtraction.
         relative = ROUNDOFF * (3 + 1 + (3 + REFLECT) * length / shortest) + SMALLEST / shortest
+    return np.minimum(swept + np.where(relative < 1.0, np.arcsin(np.minimum(relative, 1.0)), np.pi), np.pi)
+
+
+def stretched_bound(cases: Cases, exact: Exact) -> np.ndarray:
+    """The largest angle in radians (n,) between what float32 finds and `exact.stretched`; at most π."""
+    along = ALONG[cases.correction]
+    length = np.linalg.norm(exact.ray, axis=-1)
+    from_centre = cases.position.astype(np.float64) - cases.centre
+    d_speed = ROUNDOFF * (REFLECT + along) * length[:, None] + SMALLEST
+    d_origin = ROUNDOFF * ((1 + along) * np.linalg.norm(from_centre, axis=-1, keepdims=True)) + SMALLEST
+    least, most = _reciprocal_distances(cases, exact, d_speed, d_origin)
+    half = cases.half_widths.astype(np.float64)
+    scale = half.min(-1, keepdims=True) / half
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        ends = [(exact.origin * u[:, None] + exact.speed) * scale * own_way_round(cases) for u in (least, most)]
+        swept = np.maximum(*(angle(end, exact.stretched) for end in ends))
+        shortest = np.maximum(_distance_from_zero(*ends), 1e-300)
+        # Before it is stretched the direction D is off by what the ray and the origin are, by the division in u, the
+        # product and the subtraction; nothing of that is stretched by more than 1, while D may shrink by the least
+        # scale. u |P − C| is at most |D| + |R|.
+        longest = np.maximum(*(np.linalg.norm(from_centre * u[:, None] + exact.ray, axis=-1) for u in (least, most)))
+        shrunk = np.minimum(longest / shortest, 1.0 / scale.min(-1))
+        own = (REFLECT + along + 3 + along) * length / shortest + (3 + along + 3**0.5) * shrunk
+        relative = ROUNDOFF * (2 + own) + 3 * SMALLEST / shortest  # 2: the ratio of widths and its product
     return np.minimum(swept + np.where(relative < 1.0, np.arcsin(np.minimum(relative, 1.0)), np.pi), np.pi)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import mpmath
 import numpy as np
 
+from pcc_addon.core.effects.records import Correction
 from tests.core.boxes import unit
 
 from .cases import Cases
@@ -23,6 +24,7 @@ class Exact:
         speed: (n, 3) the ray along the face normals.
         distance: (n,) along the ray to its exit from the box, metres; 0 from a wall or from beyond it.
         direction: (n, 3) unit, from the capture point to the exit.
+        stretched: (n, 3) unit, from the centre to the exit in the space where the box is a cube, along its own axes.
     """
 
     ray: np.ndarray
@@ -30,6 +32,7 @@ class Exact:
     speed: np.ndarray
     distance: np.ndarray
     direction: np.ndarray
+    stretched: np.ndarray
 
 
 def exact(cases: Cases) -> Exact:
@@ -48,11 +51,20 @@ def exact(cases: Cases) -> Exact:
         distance = np.minimum(distance, met)
     with np.errstate(invalid="ignore"):
         direction = unit(np.where(np.isinf(distance)[:, None], ray, position - capture + distance[:, None] * ray))
-    return Exact(ray, origin, speed, distance, direction)
+        local = np.where(np.isinf(distance)[:, None], speed, origin + distance[:, None] * speed) / half
+    return Exact(ray, origin, speed, distance, direction, unit(local * own_way_round(cases)))
 
 
-def exact_direction_in_50_digits(cases: Cases, k: int) -> np.ndarray:
-    """The unit direction (3,) of case k, by the same planes in 50 digits; for face normals that are given."""
+def own_way_round(cases: Cases) -> tuple[float, float, float]:
+    """Signs that face normals need to be the box's own axes: a mirror that stands for a turn reverses the second."""
+    return (1.0, -1.0, 1.0) if cases.correction is Correction.TURNED_BOX else (1.0, 1.0, 1.0)
+
+
+def exact_direction_in_50_digits(cases: Cases, k: int, *, stretched: bool = False) -> np.ndarray:
+    """The unit direction (3,) of case k, by the same planes in 50 digits; for face normals that are given.
+
+    From the capture point to the exit; or, stretched, from the centre in the space where the box is a cube.
+    """
     with mpmath.workdps(50):
         position, incoming, normal, centre, half, capture = (
             mpmath.matrix([mpmath.mpf(float(v)) for v in array[k]])
@@ -68,13 +80,15 @@ def exact_direction_in_50_digits(cases: Cases, k: int) -> np.ndarray:
         length = mpmath.norm(normal)
         normal = normal / length if length else normal
         ray = 2 * _dot(incoming, normal) * normal - incoming
-        distances = []
+        distances, faces = [], [mpmath.matrix([mpmath.mpf(float(v)) for v in row]) for row in cases.face_normals[k]]
         for axis, side in itertools.product(range(3), (-1, 1)):
-            face = mpmath.matrix([mpmath.mpf(float(v)) for v in cases.face_normals[k, axis]]) * side
+            face = faces[axis] * side
             towards, gap = _dot(face, ray), half[axis] - _dot(face, position - centre)
             if towards > 0:
                 distances.append(max(gap, 0) / towards)
-        spot = position + min(distances) * ray - capture
+        spot = position + min(distances) * ray - (centre if stretched else capture)
+        if stretched:
+            spot = mpmath.matrix([_dot(face, spot) / half[axis] for axis, face in enumerate(faces)])
         return np.array([float(c / mpmath.norm(spot)) for c in spot])
 
 

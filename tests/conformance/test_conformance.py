@@ -12,11 +12,11 @@ from pcc_addon.core.effects.records import Correction, LookupEffects
 from tests.shader_harness import evaluate_expressions
 
 from . import variants
-from .bound import direction_bound
+from .bound import direction_bound, stretched_bound
 from .families import CORRECTIONS, FAMILIES
 from .reference import angle, exact, exact_direction_in_50_digits
 from .run import EXPECTED_ROUNDING, directions, errors_in_eevee, together
-from .verdict import judge
+from .verdict import WELL_CONDITIONED, judge
 
 FEW, MANY = 2048, 20_000  # cases of a family and a correction: over 100,000 and over a million in all
 
@@ -60,6 +60,29 @@ def test_a_capture_from_the_centre_is_as_exact(scene, correction: Correction) ->
 
 
 @BY_CORRECTION
+def test_a_picture_that_is_stretched_is_looked_up_within_its_bound(scene, correction: Correction) -> None:
+    cases, where = together(FEW, correction)
+    lookup = formula.lookup(LookupEffects(correction, None, offset=False, stretched=True))
+    found, truth = directions(cases, lookup["Direction"]), exact(cases)
+    bound = stretched_bound(cases, truth)
+    assert np.isfinite(found).all(), worst(where, ~np.isfinite(found).all(-1))
+    failed = ~(angle(found, truth.stretched) <= bound)
+    assert not failed.any(), worst(where, failed)
+    assert (bound <= 10.0 * WELL_CONDITIONED).mean() > 0.7, "long boxes shorten directions, not what they are off by"
+
+
+@pytest.mark.heavy
+@BY_CORRECTION
+def test_eevee_stretches_within_the_same_bound(scene, correction: Correction) -> None:
+    cases, where = together(FEW, correction)
+    truth = exact(cases)
+    lookup = formula.lookup(LookupEffects(correction, None, offset=False, stretched=True))
+    error = errors_in_eevee(cases, lookup["Direction"], truth.stretched)
+    failed = ~(error <= stretched_bound(cases, truth) + EXPECTED_ROUNDING)
+    assert not failed.any(), worst(where, failed)
+
+
+@BY_CORRECTION
 def test_nan_and_infinite_inputs_harm_no_case_but_their_own(scene, correction: Correction) -> None:
     healthy, _ = together(64, correction)
     broken, _ = together(64, correction, finite=False)
@@ -97,6 +120,10 @@ def test_the_reference_agrees_with_50_digits(family) -> None:
         for k in np.flatnonzero(bound < 0.1):
             expected = exact_direction_in_50_digits(cases, k)
             assert angle(truth.direction[k : k + 1], expected[None])[0] <= 1e-6 * bound[k] + 1e-15
+        bound = stretched_bound(cases, truth)
+        for k in np.flatnonzero(bound < 0.1):
+            expected = exact_direction_in_50_digits(cases, k, stretched=True)
+            assert angle(truth.stretched[k : k + 1], expected[None])[0] <= 1e-6 * bound[k] + 1e-15
 
 
 @pytest.mark.without_blender

@@ -13,7 +13,8 @@ from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, Outside
 from pcc_addon.core.effects.transmission import Interface
 from pcc_addon.core.pictures import LADDER, PictureKey, PictureKind
-from pcc_addon.core.plan import MaterialPlan, SurfacePlan, make_plan, plan_surfaces
+from pcc_addon.core.plan import MaterialPlan, ProbePlan, SurfacePlan, make_plan, plan_surfaces
+from pcc_addon.core.probe import Source
 from pcc_addon.core.readings import (
     CameraReading,
     MaterialReading,
@@ -402,6 +403,26 @@ def test_the_capture_point_counts_where_the_pictures_were_taken() -> None:
     assert offset(replace(probe("Hall"), captured_at=(0.5, 0.0, 0.0)))
     moved_back = replace(probe("Hall", capture_offset=(0.1, 0.0, 0.0)), captured_at=(0.0, 0.0, 0.0))
     assert not offset(moved_back)
+
+
+def test_a_picture_from_elsewhere_is_stretched_as_long_as_it_is_shown() -> None:
+    table, wood = placement("Table", "Wood"), material("Wood")
+
+    def plan(reading: ProbeReading) -> ProbePlan:
+        found = make_plan(SceneReading("Scene", (reading,), (wood,), (table,))).probe("Hall")
+        assert found is not None
+        return found
+
+    def says_so(reading: ProbeReading) -> bool:
+        found = plan(reading)
+        assert found.lookup.stretched == any("stretched" in reason for reason in found.reasons)
+        return found.lookup.stretched
+
+    assert not says_so(probe("Hall"))
+    assert says_so(probe("Hall", source=Source.WORLD)), "before the first bake by the setting"
+    baked = replace(probe("Hall", source=Source.IMAGE), captured_at=(0.5, 0.0, 0.0))
+    assert not says_so(baked) and plan(baked).lookup.offset, "then by what its pictures are"
+    assert says_so(replace(probe("Hall"), captured_at=(0.0, 0.0, 0.0), source=Source.IMAGE))
 
 
 def test_a_probe_that_shares_a_material_says_so_and_one_that_does_not_does_not() -> None:

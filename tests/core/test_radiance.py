@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pcc_addon.core.radiance import BRIGHTEST, clean
+from pcc_addon.core.radiance import BRIGHTEST, clean, clean_whole, linear_of_srgb
 
 
 def picture(**pixels: object) -> np.ndarray:
@@ -92,6 +92,25 @@ def test_pixels_beyond_a_faces_90_degrees_are_replaced_but_counted_in_the_next_f
     _, bad = clean(0, before, overscan=2)
     assert bad is not None
     assert (bad.not_finite, bad.negative, bad.too_bright, bad.first) == (0, 1, 0, (2, 3))
+
+
+def test_a_given_picture_of_any_shape_is_cleaned_by_the_same_rule_and_named() -> None:
+    given_picture = np.full((2, 4, 3), 0.5, np.float32)
+    assert clean_whole("sky.hdr", given_picture) == (given_picture, "")
+    given_picture[0, 3], given_picture[1, 0, 1], given_picture[1, 1, 2] = np.nan, -1.0, 1e9
+    cleaned, words = clean_whole("sky.hdr", given_picture)
+    assert words == "picture 'sky.hdr': 1 not finite, 1 negative, 1 too bright pixels were replaced"
+    assert (cleaned[0, 3] == 0.0).all() and cleaned[1, 0, 1] == 0.0 and cleaned[1, 1, 2] == BRIGHTEST
+    assert (cleaned == 0.5).sum() == 24 - 5
+
+
+def test_encoded_values_become_light_as_the_standard_says() -> None:
+    encoded = np.array([0.0, 0.04045, 0.0404501, 0.5, 1.0], np.float32)
+    np.testing.assert_allclose(
+        linear_of_srgb(encoded), [0.0, 0.0031308, 0.0031308, 0.21404114, 1.0], rtol=2e-5, atol=1e-9
+    )
+    ramp = linear_of_srgb(np.linspace(0.0, 1.0, 256, dtype=np.float32))
+    assert (np.diff(ramp) > 0.0).all() and ramp.dtype == np.float32
 
 
 @given(st.lists(st.floats(width=32), min_size=12, max_size=12))

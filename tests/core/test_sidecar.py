@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from pcc_addon.core.cubemap import FACES
 from pcc_addon.core.errors import BakeError
 from pcc_addon.core.pictures import PictureKey, PictureKind
+from pcc_addon.core.probe import Source
 from pcc_addon.core.sidecar import VERSION, Level, Sidecar, digest_of, file_stem, level_file, move_into_place
 
 KEYS = [PictureKey(PictureKind.RADIANCE, k) for k in range(8)]
@@ -35,6 +36,9 @@ RECORD = Sidecar(
     levels=(Level(KEYS[0], 0.0, "a.exr", 2048, 1024), Level(KEYS[1], 0.3, "b.exr", 512, 256, 4711, "0a")),
     replaced_pixels=("face +X: 1 negative pixels were replaced",),
 )
+
+
+DEFAULTED = {"replaced_pixels", "source"}
 
 
 def edited(**changes: object) -> str:
@@ -102,11 +106,20 @@ def test_what_a_later_release_of_this_version_adds_is_ignored() -> None:
 
 def test_what_may_be_missing_has_a_default() -> None:
     assert Sidecar.from_json(edited(replaced_pixels=...), "here").replaced_pixels == ()
+    assert Sidecar.from_json(edited(source=...), "here").source is Source.BAKE
     levels = [
         {k: v for k, v in level.items() if k not in ("size", "digest")} for level in json.loads(edited())["levels"]
     ]
     found = Sidecar.from_json(edited(levels=levels), "here").levels
     assert [(level.size, level.digest) for level in found] == [(0, ""), (0, "")]
+
+
+@pytest.mark.parametrize("source", list(Source))
+def test_where_pictures_come_from_is_told_with_the_axes_that_they_have(source: Source) -> None:
+    record = dataclasses.replace(RECORD, source=source)
+    assert Sidecar.from_json(record.to_json(), "here") == record
+    space = json.loads(record.to_json())["convention"]["space"]
+    assert ("world axes" in space) == (source is Source.BAKE)
 
 
 def test_a_record_of_the_first_version_gets_keys_in_the_order_of_roughness() -> None:
@@ -141,7 +154,7 @@ def test_a_later_version_is_refused_before_anything_else_of_it_is_read(version: 
 
 
 @pytest.mark.parametrize(
-    "key", ["format", "version", *(f.name for f in dataclasses.fields(Sidecar) if f.name != "replaced_pixels")]
+    "key", ["format", "version", *(f.name for f in dataclasses.fields(Sidecar) if f.name not in DEFAULTED)]
 )
 def test_a_record_with_something_missing_is_refused(key: str) -> None:
     assert key in refusal(edited(**{key: ...}))

@@ -25,6 +25,7 @@ from tests.glsl.shaders import run, vertex_shader
 
 VECTORS = Path(__file__).parents[1] / "vectors" / "lookup.json"
 LOOKUPS = [LookupEffects(c, o) for c in Correction for o in (*Outside, None) if c is not Correction.NONE]
+LOOKUPS += [LookupEffects(c, Outside.UNCORRECTED, False, stretched=True) for c in Correction]
 FORMULAS = [
     lookup.probe(LookupEffects(Correction.NONE, None, False), {"Level 0": 32}),
     *(lookup.probe(effects, {"Level 0": 64, "Level 1": 32}, shares=True) for effects in LOOKUPS),
@@ -68,9 +69,12 @@ def test_it_passes_the_published_vectors(driver: None) -> None:
         "Half Widths": column["half_widths"],
         "Capture Point": column["capture_point"],
     }
-    formula = Formula("Reflection lookup", lookup.lookup(LookupEffects(Correction.ORIENTED_BOX, None, True)))
-    found = run(formula, inputs)["Direction"].astype(np.float64)
-    assert (angle(found, column["direction"]) <= column["tolerance"]).all()
+    for name, effects in (
+        ("", LookupEffects(Correction.ORIENTED_BOX, None, True)),
+        ("stretched_", LookupEffects(Correction.ORIENTED_BOX, None, False, stretched=True)),
+    ):
+        found = run(Formula("Reflection lookup", lookup.lookup(effects)), inputs)["Direction"].astype(np.float64)
+        assert (angle(found, column[f"{name}direction"]) <= column[f"{name}tolerance"]).all()
 
 
 def points(count: int) -> dict[str, np.ndarray]:

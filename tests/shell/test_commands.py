@@ -8,8 +8,10 @@ import sys
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
+from pcc_addon.blender.store.pictures import write_file
 from pcc_addon.cli import run_in_blender
 from sample_blends.scenes import EMISSIVE_ROOM, emissive_room
 
@@ -61,6 +63,24 @@ def test_bake_inject_status_remove_round_trip(capfd: pytest.CaptureFixture[str],
     assert [line["material"] for line in lines if line["event"] == "restored"] == ["Mirror"]
     code, lines = events(capfd, "inject", blend)
     assert code == 0 and "Mirror" in {line.get("material") for line in lines}
+
+
+def test_a_picture_is_shown_instead_of_a_bake(capfd: pytest.CaptureFixture[str], blend: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "sky.exr"
+    write_file(picture, np.full((32, 64, 3), 0.5, np.float32))
+    asked = ("bake", blend, *FAST, "--probe", "Room", "--picture")
+    code, lines = events(capfd, *asked, picture, "--inject", "--save")
+    assert code == 0 and [line["probe"] for line in lines if line["event"] == "baked"] == ["Room"]
+    _, lines = events(capfd, "status", blend)
+    assert {line["probe"]: line["state"] for line in lines} == {"Room": "baked", "Other": "unbaked"}
+    code, lines = events(capfd, "plan", blend)
+    assert code == 0 and "stretched" in str(next(line for line in lines if line.get("probe") == "Room"))
+    for wrong, why in ((tmp_path / "gone.exr", "does not exist"), (blend, "cannot be read")):
+        code, lines = events(capfd, *asked, wrong)
+        assert code == 1 and any(why in line.get("error", "") and "'Room'" in line["error"] for line in lines)
+    picture.unlink()
+    code, lines = events(capfd, "status", blend)
+    assert code == 1 and "does not exist" in next(line for line in lines if line.get("state") == "error")["why"]
 
 
 def test_output_has_its_own_pictures_beside_it(capfd: pytest.CaptureFixture[str], blend: Path, tmp_path: Path) -> None:

@@ -21,6 +21,12 @@ def lookup(case):
     return [(p - b) * nearness + r for p, b, r in zip(point, case["capture_point"], ray, strict=True)]
 
 
+def stretched(case):
+    """The same for a cubemap that was not captured in the box: along its axes, where the box is a cube."""
+    exit = lookup(case | {"capture_point": case["centre"]})
+    return [dot(face, exit) / half for face, half in zip(case["face_normals"], case["half_widths"], strict=True)]
+
+
 def weight(case):
     """How much of the point the probe has, 0 to 1."""
     offset = [p - c for p, c in zip(case["position"], case["centre"], strict=True)]
@@ -37,6 +43,7 @@ def angle(a, b):
 
 cases = json.loads(Path(__file__).with_name("lookup.json").read_text(encoding="utf-8"))["cases"]
 wrong = [case for case in cases if not angle(lookup(case), case["direction"]) <= case["tolerance"]]
+wrong += [c for c in cases if not angle(stretched(c), c["stretched_direction"]) <= c["stretched_tolerance"]]
 wrong += [case for case in cases if not abs(weight(case) - case["weight"]) <= case["weight_tolerance"]]
 print(f"{len(cases)} cases, {len(wrong)} wrong", *sorted({case["family"] for case in wrong}), sep="\n")
 raise SystemExit(bool(wrong))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pcc_addon.core.effects.records import Correction
-from tests.conformance.bound import direction_bound
+from tests.conformance.bound import direction_bound, stretched_bound
 from tests.conformance.cases import Cases
 from tests.conformance.fades import beyond_walls, exact_weight, fades
 from tests.conformance.families import FAMILIES, Family
@@ -31,6 +31,9 @@ ABOUT = [
     "half_widths to centre + half_widths.",
     "direction: (hit - capture_point), normalised, computed with 50 digits. tolerance: the largest angle in radians by "
     "which a careful float32 implementation may miss it; docs/numerics.md derives it.",
+    "stretched_direction: where to look, from the box's centre, in a cubemap that was not captured in the box: its "
+    "axes are the face normals, every component is divided by the half width. stretched_tolerance: as above; up to "
+    "half a turn where single precision cannot say.",
     "weight: 3 s^2 - 2 s^3 with s = 1 - (d - padding) / falloff, cut off to 0 ... 1; d is the largest of the distances "
     "by which the point lies beyond a pair of planes. weight_tolerance: as above.",
 ]
@@ -57,7 +60,7 @@ def _some(family: Family, correction: Correction) -> Cases:
 
 def _records(family: str, cases: Cases, fade: dict[str, np.ndarray] | None = None) -> list[dict]:
     truth = exact(cases)
-    tolerance = direction_bound(cases, truth)
+    tolerance, stretched_tolerance = direction_bound(cases, truth), stretched_bound(cases, truth)
     fade = fade or fades(cases, np.random.default_rng(len(family)))
     weight, weight_tolerance = exact_weight(cases, truth, fade)
     return [
@@ -73,6 +76,8 @@ def _records(family: str, cases: Cases, fade: dict[str, np.ndarray] | None = Non
             "capture_point": cases.capture_point[k].tolist(),
             "direction": [float(f"{c:.15g}") for c in exact_direction_in_50_digits(cases, k)],
             "tolerance": float(f"{1.01 * tolerance[k]:.3g}"),
+            "stretched_direction": [float(f"{c:.15g}") for c in exact_direction_in_50_digits(cases, k, stretched=True)],
+            "stretched_tolerance": float(f"{1.01 * stretched_tolerance[k]:.3g}"),
             "padding": float(fade["Padding"][k]),
             "falloff": float(fade["Falloff"][k]),
             "weight": float(f"{weight[k]:.12g}"),

@@ -62,6 +62,9 @@ def test_the_formula_passes_in_single_precision(box: str) -> None:
     correction = Correction.ALIGNED_BOX if box == "aligned" else Correction.ORIENTED_BOX
     found = evaluate(formula.lookup(LookupEffects(correction, Outside.OWN)), inputs, np.float32)
     assert (angle(found["Direction"], column("direction")[chosen]) <= column("tolerance")[chosen]).all()
+    turned = evaluate(formula.lookup(LookupEffects(correction, None, False, stretched=True)), inputs, np.float32)
+    error = angle(turned["Direction"], column("stretched_direction")[chosen])
+    assert (error <= column("stretched_tolerance")[chosen]).all() and error.max() > 0.0
     off = np.abs(found["Weight"] - column("weight")[chosen])
     assert (off <= column("weight_tolerance")[chosen]).all()
 
@@ -87,6 +90,8 @@ def test_the_runner_tells_which_families_a_faulty_implementation_fails(tmp_path)
         "math.copysign(q, q * speed)": "abs(q)",
         "nearness + r": "+ r",
         "return [(p - b)": "return [0.0, 0.0, 0.0] or [(p - b)",
+        "dot(face, exit) / half": "dot(face, exit)",
+        'case["centre"]})': 'case["capture_point"]})',
         'beyond - case["padding"]': 'beyond + case["padding"]',
     }
     for right, wrong in faults.items():

@@ -30,6 +30,7 @@ from ..shade import groups, injection, twin
 from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
 from ..store import levels
+from . import environment
 from .capture import OVERSCAN, Stage
 from .surroundings import black_capture, is_nearly_black
 
@@ -70,19 +71,27 @@ class _Task:
 
     @property
     def steps(self) -> int:
-        """Six faces, assembling, each level but the sharpest, storing."""
-        return len(FACES) + 1 + len(self.roughnesses)
+        """Six faces or a picture from elsewhere, assembling, each level but the sharpest, storing."""
+        return environment.steps(self.spec.source) + 1 + len(self.roughnesses)
 
 
 @dataclass
 class _Capture:
-    """The faces of one probe that wait to be stored, what was wrong in them, and the seconds spent on it."""
+    """The faces of one probe that wait to be stored, what was wrong in them, and the seconds spent on it.
+
+    A picture that was not captured in the box stands for the faces.
+    """
 
     task: _Task
     faces: list[np.ndarray] = field(default_factory=list)
+    picture: np.ndarray | None = None
     replaced: list[str] = field(default_factory=list)
     seconds: float = 0.0
     failed: bool = False
+
+    @property
+    def bytes_held(self) -> int:
+        return sum(face.nbytes for face in self.faces) + (0 if self.picture is None else self.picture.nbytes)
 
 
 # Storing a bake makes data blocks, after which a renderer reads the whole scene anew: that grows with the scene. So
@@ -179,7 +188,7 @@ class BakeJob:
                 done += 1
                 self.progress, self.message = done / total, message
                 yield
-            held = sum(face.nbytes for capture in waiting for face in capture.faces)
+            held = sum(capture.bytes_held for capture in waiting)
             if task is not tasks[-1] and held < _HELD_BYTES and time.perf_counter() - begin < _HELD_SECONDS:
                 continue
             for capture in waiting:
@@ -214,14 +223,21 @@ class BakeJob:
             try:
                 check_own(probe)
                 check_place(probe, self._view_layer)
-                ready.append((probe, probe_spec(probe)))
+                spec = probe_spec(probe)
+                environment.check_source(spec, self._scene)
+                ready.append((probe, spec))
             except PccError as error:
                 self.results.append(BakedProbe(probe.name, str(error)))
         return ready
 
     def _render(self, stage: Stage, capture: _Capture) -> Iterator[str]:
-        """Render the faces of one probe; yields what comes next."""
+        """Render the faces of one probe, or take its picture from elsewhere; yields what comes next."""
         spec = capture.task.spec
+        if spec.source.stretched:
+            taken = yield from environment.take(spec, self._scene)
+            capture.picture = taken.picture
+            capture.replaced += taken.replaced
+            return
         with ExitStack() as stack:
             stage.aim(stack, spec)
             for index, face in enumerate(FACES):
@@ -238,7 +254,8 @@ class BakeJob:
         task, replaced = capture.task, capture.replaced
         probe, spec = task.probe, task.spec
         yield "assembling"
-        pictures = {0.0: equirect.from_faces(capture.faces, OVERSCAN)}
+        given = capture.picture
+        pictures = {0.0: equirect.from_faces(capture.faces, OVERSCAN) if given is None else given}
         black = is_nearly_black(pictures[0.0])
         warnings = (black_capture(spec, self._scene, self._view_layer),) if black else ()
         for roughness in task.roughnesses:
@@ -262,6 +279,7 @@ class BakeJob:
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced), warnings))
         capture.faces.clear()
+        capture.picture = None
 
 
 def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:

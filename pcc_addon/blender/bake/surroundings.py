@@ -8,11 +8,12 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ...core.probe import ProbeSpec
+from ...core.probe import ProbeSpec, Source
 
 NEARLY_BLACK = 1e-4  # radiance
 _NEARLY_ALL = 0.98  # of a capture's pixels
 _DIRECTIONS = [Vector(d).normalized() for d in itertools.product((-1, 0, 1), repeat=3) if any(d)]
+_ORIGINS = {Source.IMAGE: "the image", Source.WORLD: "the world"}
 _STEPS = (-0.6, -0.3, 0.0, 0.3, 0.6)  # of the half edges, where another capture point is looked for
 
 
@@ -23,6 +24,8 @@ def is_nearly_black(picture: np.ndarray) -> bool:
 
 def black_capture(probe: ProbeSpec, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> str:
     """A sentence on what a nearly black capture has around it, and where it could be taken instead."""
+    if probe.source.stretched:
+        return f"its picture, {_ORIGINS[probe.source]}, is nearly black; choose another, or set its source to Bake"
     around = _around(scene, view_layer, Vector(probe.capture_point))
     names = sorted({name for name, _ in around})
     near = f": around the capture point stand {', '.join(names[:4])}" if names else ": there is nothing around it"

@@ -6,12 +6,16 @@ import hashlib
 from collections.abc import Iterable
 from dataclasses import fields
 from enum import Enum
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ...core.probe import ProbeSpec
+from ...core.errors import ProbeError
+from ...core.picture_files import digest, picture_files
+from ...core.probe import ProbeSpec, Source
 from .. import marks
 from .scene import rendered_objects
 
@@ -36,6 +40,7 @@ _CAPTURED = [
     for field in fields(ProbeSpec)
     if field.name
     not in {"name", "box", "capture_offset", "padding", "falloff", "outside", "corrected", "hidden", "animated"}
+    | {"source", "picture"}
 ]
 _NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
 _ID_BOOKKEEPING = {p.identifier for p in bpy.types.ID.bl_rna.properties}
@@ -54,13 +59,24 @@ class SceneFingerprint:
             if not item.hide_render and (item.type not in _NOT_SEEN or item.instance_type != "NONE")
         }
         lines = [f"cycles.{name} {getattr(scene.cycles, name)}" for name in _CYCLES]
+        world = []
         if scene.world:
-            lines.append(f"world {scene.world.color[:]}")
-            lines += node_lines(scene.world.node_tree)
+            world.append(f"world {scene.world.color[:]}")
+            world += node_lines(scene.world.node_tree)
+        lines += world
+        self._world = "\n".join(world)
         self._setting = "\n".join(lines)
 
     def content_hash(self, probe: ProbeSpec) -> str:
-        """A hexadecimal SHA-256 of all that the probe's pictures depend on."""
+        """A hexadecimal SHA-256 of all that the probe's pictures depend on.
+
+        Raises:
+            ProbeError: they are to come from an image that is not there.
+        """
+        if probe.source is Source.IMAGE:
+            return _hash_of_image(probe)
+        if probe.source is Source.WORLD:
+            return self._hash_of_world(probe)
         digest = hashlib.sha256(self._setting.encode())
         settings = (getattr(probe, name) for name in _CAPTURED)
         plain = [setting.value if isinstance(setting, Enum) else setting for setting in settings]
@@ -69,6 +85,30 @@ class SceneFingerprint:
             if name not in probe.hidden:
                 digest.update(self._objects[name])
         return digest.hexdigest()
+
+    def _hash_of_world(self, probe: ProbeSpec) -> str:
+        """The world, the settings of its renders, and the box's axes, which the picture has."""
+        settings = (probe.engine.value, probe.resolution, probe.samples, probe.denoise)
+        axes = (np.round(probe.box.face_normals, 5) + 0.0).tolist()  # no negative zeros
+        return hashlib.sha256(f"world {settings} {axes}\n{self._world}".encode()).hexdigest()
+
+
+def _hash_of_image(probe: ProbeSpec) -> str:
+    files = picture_files(probe.name, probe.picture)
+    try:
+        stats = [file.stat() for file in files]
+        held = _digest(files, tuple((stat.st_mtime_ns, stat.st_size) for stat in stats))
+    except OSError as error:
+        raise ProbeError(
+            f"probe '{probe.name}': its picture '{files[0]}' cannot be read ({error.strerror}); choose another"
+        ) from error
+    return hashlib.sha256(f"image {probe.resolution} {held}".encode()).hexdigest()
+
+
+@lru_cache(maxsize=256)
+def _digest(files: tuple[Path, ...], written: tuple[tuple[int, int], ...]) -> str:
+    """What files hold; read again only where one was written since."""
+    return digest(files)
 
 
 def _object(item: bpy.types.Object) -> bytes:

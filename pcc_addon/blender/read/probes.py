@@ -11,7 +11,7 @@ from mathutils import Matrix
 
 from ...core.effects.records import Outside
 from ...core.errors import PccError, ProbeError
-from ...core.probe import Box, Engine, ProbeSpec
+from ...core.probe import Box, Engine, ProbeSpec, Source
 from ...core.sidecar import Sidecar
 
 # The fields of a record that are what the setting of the same name says.
@@ -66,6 +66,8 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         corrected=settings.correction == "BOX",
         hidden=tuple(o.name for o in hidden_objects(probe)),
         animated=is_animated(probe),
+        source=Source(settings.source),
+        picture=bpy.path.abspath(settings.picture, library=probe.library) if settings.picture else "",
         **{name: getattr(settings, name) for name in _AS_SET},
     )
 

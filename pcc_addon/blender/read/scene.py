@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.effects.kinds import may_transmit
 from ...core.errors import PccError
+from ...core.probe import Source
 from ...core.readings import CameraReading, PlacementReading, ProbeReading, SceneReading, WallReading
 from .. import marks
 from .materials import read_material
@@ -50,15 +51,16 @@ def _cameras(scene: bpy.types.Scene) -> tuple[CameraReading, ...]:
 
 def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> ProbeReading:
     """One probe; whatever is wrong with it becomes its fault."""
-    spec, captured_at, fault = None, None, ""
+    spec, captured_at, fault, source = None, None, "", Source.BAKE
     try:
         check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
-        captured_at = record.capture_point if record else None
+        if record:
+            captured_at, source = record.capture_point, record.source
     except PccError as error:
         fault = str(error)
-    return ProbeReading(probe.name, spec, fault, captured_at)
+    return ProbeReading(probe.name, spec, fault, captured_at, source)
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:

@@ -19,12 +19,13 @@ _COFACTORS = (
     ("d*h-e*g", "b*g-a*h", "a*e-b*d"),
 )
 _AREAS = tuple(f"max(sqrt({'+'.join(f'pow({n},2)' for n in row)}),1e-300)" for row in _COFACTORS)
+_HANDEDNESS = f"(1 if {_DETERMINANT}>0 else -1)"  # of a mirrored box; then the products of its edges point inwards
 DRIVEN = {
     "Box Centre": ("u", "v", "w"),
     "Half Widths": tuple(f"s*abs({_DETERMINANT})/{area}" for area in _AREAS),
     "Turn Mirror": ("-sin(atan2(d,a)/2)", "cos(atan2(d,a)/2)", "0"),
     **{
-        f"Face Normal {axis}": tuple(f"({n})/{area}" for n in row)
+        f"Face Normal {axis}": tuple(f"({n})/{area}*{_HANDEDNESS}" for n in row)
         for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)
     },
 }

@@ -46,7 +46,7 @@ def refresh_group(
     if record is None:
         return
     spec = probe_spec(probe)
-    effects = spec.effects(receivers, record.capture_point)
+    effects = spec.effects(receivers, record.capture_point, record.source)
     levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
     images = {f"Level {k}": level.image for k, level in enumerate(levels)}
     heights = {name: check_pixels(probe.name, image) for name, image in images.items()}

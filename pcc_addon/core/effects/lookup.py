@@ -91,6 +91,21 @@ def nearness(to_centre: Expr, d: Expr) -> Expr:
     return greatest(absolute(d) / maximum(multiply_add(to_centre, sign(d), HALF_WIDTHS), ON_WALL))
 
 
+def stretch(correction: Correction) -> Expr:
+    """By what to multiply directions along the face normals to look them up in a picture that is stretched to the box.
+
+    Along each axis that is the least of the half widths over its own, so that the box becomes the cube that every
+    cubemap is of. Nothing is multiplied by more than 1, which keeps the products finite. The mirror that stands for a
+    turn about the vertical leaves the second axis the wrong way round.
+    """
+    least = greatest(HALF_WIDTHS * -1.0) * -1.0
+    ratios = least / HALF_WIDTHS
+    return ratios * _OWN_WAY_ROUND if correction is Correction.TURNED_BOX else ratios
+
+
+_OWN_WAY_ROUND = (1.0, -1.0, 1.0)
+
+
 def depth(to_centre: Expr, normal: Expr | None = None) -> Expr:
     """How far a point lies below the nearest of the box's walls and their padding, metres; negative outside.
 
@@ -123,24 +138,31 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
         position: where the ray starts, world space, metres.
 
     Returns:
-        "Direction": world-space vector, not normalised; "Weight": how much of the surface the probe has, 0 … 1.
+        "Direction": in world space, or along the box's axes where the picture is stretched to it; not normalised;
+        "Weight": how much of the surface the probe has, 0 … 1.
     """
     if effects.correction is Correction.NONE:
-        return {"Direction": direction, "Weight": lift(1.0)}
+        along = Section("Along the box's axes", along_face_normals(Correction.ORIENTED_BOX, direction))
+        return {"Direction": along if effects.stretched else direction, "Weight": lift(1.0)}
     to_centre = CENTRE - position
     to_capture = CAPTURE_POINT - position if effects.offset else to_centre
     q = Section("Along the box's axes", along_face_normals(effects.correction, to_centre))
     d = Section("Along the box's axes", along_face_normals(effects.correction, direction))
     near = Section("Exit from the box", nearness(q, d))
     # (hit − B) / t with hit = P + t·direction; its length does not count
-    corrected = Section("Direction from the capture point", direction - to_capture * near)
+    if effects.stretched:
+        corrected = Section("Stretched to the box", (d - q * near) * stretch(effects.correction))
+        uncorrected = d * _OWN_WAY_ROUND if effects.correction is Correction.TURNED_BOX else d
+    else:
+        corrected = Section("Direction from the capture point", direction - to_capture * near)
+        uncorrected = direction
     if effects.outside is None:
         return {"Direction": corrected, "Weight": lift(1.0)}
     normal = along_face_normals(effects.correction, NORMAL) if effects.facing else None
     weight = Section("Influence", faded(depth(q, normal), FALLOFF))
     if effects.outside is not Outside.UNCORRECTED:
         return {"Direction": corrected, "Weight": weight}
-    turned = Section("Influence", mix(direction, normalize(corrected), weight))
+    turned = Section("Influence", mix(uncorrected, normalize(corrected), weight))
     return {"Direction": turned, "Weight": lift(1.0)}
 
 

@@ -39,12 +39,15 @@ class LookupEffects:
         offset: whether the capture point is apart from the box's centre.
         facing: whether surfaces on the box's boundary or beyond may be seen from outside, where they face away from
             what the probe shows; requires `outside`.
+        stretched: whether the picture was not captured in the box, so that its axes are the box's own and it is
+            stretched to the box; without a correction it is only turned with it. Excludes `offset`.
     """
 
     correction: Correction = Correction.ORIENTED_BOX
     outside: Outside | None = Outside.OWN
     offset: bool = True
     facing: bool = False
+    stretched: bool = False
 
     @property
     def label(self) -> str:
@@ -54,4 +57,5 @@ class LookupEffects:
             words.append(f"outside {self.outside.value.lower()}" if self.outside else "inside")
             words.append("offset" if self.offset else "centred")
             words += ["seen from outside"] * self.facing
+        words += ["along the box's axes" if self.correction is Correction.NONE else "stretched"] * self.stretched
         return ", ".join(words)
