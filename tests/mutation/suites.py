@@ -56,6 +56,7 @@ SUITES: dict[str, tuple[str, ...]] = {
         "tests/blender/test_migration.py",
         "tests/blender/test_twin_shown.py",
     ),
+    "blender/shade/built.py": _GROUPS[:1],
     "blender/shade/drivers.py": ("tests/blender/test_drivers.py",),
     "blender/shade/groups.py": _TWINS,
     "blender/shade/injection.py": (*_TWINS, "tests/blender/test_twin_refused.py"),
