@@ -49,7 +49,8 @@ def add_probe(
 def ensure_uid(probe: bpy.types.Object) -> str:
     """The probe's lasting identity; a copy of a probe gets its own, the original keeps its."""
     settings = probe.pcc_probe
-    others = {o.pcc_probe.uid: o for o in bpy.data.objects if o.pcc_probe.is_probe and o != probe}
+    empties = (o for o in bpy.data.objects if o.type == "EMPTY" and o != probe)
+    others = {o.pcc_probe.uid: o for o in empties if o.pcc_probe.is_probe}
     twin = others.get(settings.uid)
     if not settings.uid or (twin is not None and _baked_as(probe) != probe.name):
         settings.uid = uuid.uuid4().hex

@@ -91,6 +91,121 @@ def test_few_rays_among_many_objects_are_rendered_together(scene, render_calls) 
     assert len(render_calls) == 6
 
 
+def three_cubes() -> list[bpy.types.Object]:
+    """Three probes within the glowing cube, each with its own point of view, and a ball that only some of them see."""
+    probes = [cube(), *(small_probe(name, (1.0, 2.0, 3.0), (1.9, 1.9, 1.9)) for name in ("Second", "Third"))]
+    mesh = bpy.data.meshes.new("Slab")
+    mesh.from_pydata([(-0.6, -0.6, 0.0), (0.6, -0.6, 0.0), (0.6, 0.6, 0.0), (-0.6, 0.6, 0.0)], [], [(0, 1, 2, 3)])
+    mesh.materials.append(glow("Slab", (0.0, 0.0, 5.0)))
+    slab = bpy.data.objects.new("Slab", mesh)
+    slab.location = (1.0, 2.0, 3.6)
+    bpy.context.scene.collection.objects.link(slab)
+    for k, probe in enumerate(probes):
+        probe.pcc_probe.capture_offset = (0.0, 0.0, 0.45 * (k - 1))
+        probe.pcc_probe.samples = 16
+    return probes
+
+
+@together
+def test_faces_of_many_probes_in_one_render_are_those_of_each(scene, monkeypatch, render_calls) -> None:
+    probes = three_cubes()
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", TOGETHER)
+    found = {}
+    for most, calls in ((1, 3), (3, 1)):
+        monkeypatch.setattr(capture, "_TOGETHER", most)
+        render_calls.clear()
+        results = bake(*probes)
+        assert [result.error for result in results] == [None] * 3 and len(render_calls) == calls
+        assert all(result.seconds > 0.0 for result in results), "each has its share of the time"
+        found[most] = [picture(probe).copy() for probe in probes]
+    for alone, among_others in zip(found[1], found[3], strict=True):
+        assert np.abs(alone - among_others).mean() < 0.01, "edges have a noise of their own"
+    assert all(np.abs(found[1][i] - found[1][k]).mean() > 0.05 for i, k in ((0, 1), (1, 2), (2, 0)))
+
+
+def more_samples(probe: bpy.types.Object) -> None:
+    probe.pcc_probe.samples = 17
+
+
+def nearer_clip(probe: bpy.types.Object) -> None:
+    probe.pcc_probe.clip_end = 50.0
+
+
+def farther_start(probe: bpy.types.Object) -> None:
+    probe.pcc_probe.clip_start = 0.02
+
+
+def something_hidden(probe: bpy.types.Object) -> None:
+    probe.pcc_probe.hidden_objects.add().object = bpy.data.objects["Slab"]
+
+
+def another_size(probe: bpy.types.Object) -> None:
+    probe.pcc_probe.resolution = 18
+
+
+@together
+@pytest.mark.parametrize("change", [more_samples, nearer_clip, farther_start, something_hidden, another_size])
+def test_a_probe_that_is_captured_otherwise_has_a_render_of_its_own(scene, monkeypatch, render_calls, change) -> None:
+    probes = three_cubes()
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", TOGETHER)
+    change(probes[1])
+    assert [result.error for result in bake(*probes)] == [None] * 3
+    assert [what.split("'")[1] for what in render_calls] == ["Probe", "Second", "Third"]
+
+
+@together
+def test_nothing_is_hidden_from_probes_that_hide_the_same(scene, monkeypatch, render_calls) -> None:
+    """They are rendered one after the other: what is hidden from one is shown again before the next."""
+    probes = three_cubes()
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", TOGETHER)
+    for probe in probes:
+        something_hidden(probe)
+    bake(*probes)
+    assert len(render_calls) == 3 and all(picture(probe).max() < 1.5 for probe in probes)
+
+
+@together
+@pytest.mark.parametrize(
+    ("name", "value", "calls"), [("_OBJECTS_TOGETHER", 20, 2), ("_PIXELS_TOGETHER", 2 * 6 * 32**2, 2)]
+)
+def test_large_scenes_and_pictures_share_a_render_with_fewer(
+    scene, monkeypatch, render_calls, name, value, calls
+) -> None:
+    probes = three_cubes()  # among ten objects
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", TOGETHER)
+    monkeypatch.setattr(capture, name, value)
+    bake(*probes)
+    assert len(render_calls) == calls
+
+
+@together
+def test_shapes_that_look_at_the_camera_are_captured_probe_by_probe(scene, monkeypatch, render_calls) -> None:
+    probes = three_cubes()
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", TOGETHER)
+    tree = bpy.data.node_groups.new("Billboard", "GeometryNodeTree")
+    tree.nodes.new("GeometryNodeInputActiveCamera")
+    bake(*probes)
+    assert len(render_calls) == 3
+
+
+@together
+def test_a_failed_render_of_many_fails_them_one_by_one(scene, monkeypatch) -> None:
+    probes = three_cubes()
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", TOGETHER)
+    views, calls = Renderer.views, []
+
+    def failing(self: Renderer, what: str, cameras: list) -> list[np.ndarray]:
+        calls.append(len(cameras))
+        if len(calls) == 1:
+            raise BakeError(f"{what}: no luck")
+        return views(self, what, cameras)
+
+    monkeypatch.setattr(Renderer, "views", failing)
+    results = {result.probe: result.error for result in bake(*probes)}
+    assert results == {"Probe": "probe 'Probe': its faces: no luck", "Second": None, "Third": None}
+    assert calls == [18, 12]
+
+
 def test_eevee_renders_face_by_face(scene, monkeypatch, render_calls) -> None:
     probe = small_room()
     probe.pcc_probe.engine = "EEVEE"
@@ -123,10 +238,13 @@ def test_the_users_views_come_back(scene, monkeypatch) -> None:
 def test_no_data_block_comes_or_goes_between_faces(scene, monkeypatch, rays) -> None:
     """Each new one has the next session uid; after one that came or went a renderer reads the whole scene anew."""
     probes = [small_room(), small_probe("Other")]
+    if rays == TOGETHER:
+        probes += [small_probe("Third"), small_probe("Fourth")]
     for probe in probes:
         probe.pcc_probe.denoise = True
     bake(*probes)  # the first render makes the image of results
     monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", rays)
+    monkeypatch.setattr(capture, "_TOGETHER", 2)
     begins, ends, render = [], [], Renderer._render
 
     def counted(self: Renderer, what: str, **options: bool) -> None:

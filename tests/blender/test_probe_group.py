@@ -99,6 +99,91 @@ def test_a_copied_probe_gets_its_own_group_and_leaves_the_originals(probe) -> No
     assert probe_group.is_current(copy) and probe_group.is_current(probe)
 
 
+@pytest.fixture
+def builds(monkeypatch) -> list[str]:
+    """The groups that are built node by node."""
+    built, emit = [], probe_group.emit
+
+    def counted(tree: bpy.types.ShaderNodeTree, *rest: object) -> None:
+        built.append(tree.name)
+        emit(tree, *rest)
+
+    monkeypatch.setattr(probe_group, "emit", counted)
+    return built
+
+
+def test_a_group_that_is_as_it_was_built_takes_new_pictures_and_values_only(probe, builds) -> None:
+    nodes = [node.as_pointer() for node in group(probe).nodes]
+    picture = probe.pcc_probe.levels[0].image.copy()
+    probe.pcc_probe.levels[0].image = picture
+    probe.pcc_probe.falloff, probe.pcc_probe.padding = 0.75, 0.125
+    probe_group.refresh_group(probe)
+    assert not builds and [node.as_pointer() for node in group(probe).nodes] == nodes
+    assert picture in {getattr(node, "image", None) for node in group(probe).nodes}
+    assert values(probe, "Falloff") == {0.75} and list(values(probe, "Padding")) == pytest.approx([0.125], abs=1e-4)
+    assert probe_group.shown_probe(group(probe)).fade == 0.75
+
+
+def mute(tree: bpy.types.ShaderNodeTree) -> None:
+    tree.nodes["Level 0"].mute = True
+
+
+def unlink(tree: bpy.types.ShaderNodeTree) -> None:
+    tree.links.remove(tree.links[0])
+
+
+def remove_a_node(tree: bpy.types.ShaderNodeTree) -> None:
+    tree.nodes.remove(tree.nodes["Level 0"])
+
+
+def turn_a_value(tree: bpy.types.ShaderNodeTree) -> None:
+    scale = next(node for node in tree.nodes if getattr(node, "operation", "") == "SCALE")
+    scale.inputs["Scale"].default_value = 2.0
+
+
+def project_otherwise(tree: bpy.types.ShaderNodeTree) -> None:
+    tree.nodes["Level 0"].projection = "MIRROR_BALL"
+
+
+def remove_a_driver(tree: bpy.types.ShaderNodeTree) -> None:
+    tree.animation_data.drivers.remove(tree.animation_data.drivers[0])
+
+
+def add_an_output(tree: bpy.types.ShaderNodeTree) -> None:
+    tree.interface.new_socket("Mine", in_out="OUTPUT", socket_type="NodeSocketFloat")
+
+
+@pytest.mark.parametrize(
+    "spoil", [mute, unlink, remove_a_node, turn_a_value, project_otherwise, remove_a_driver, add_an_output]
+)
+def test_a_group_that_somebody_changed_is_built_anew(
+    probe, builds, spoil: Callable[[bpy.types.ShaderNodeTree], None]
+) -> None:
+    spoil(group(probe))
+    probe_group.refresh_group(probe)
+    assert builds == ["PCC Probe Probe"]
+    probe_group.refresh_group(probe)
+    assert len(builds) == 1
+
+
+def test_a_new_group_is_a_copy_of_one_like_it_that_is_whole(probe, builds) -> None:
+    copy = probe.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    mute(group(probe))
+    copy.pcc_probe.falloff = 0.75
+    probe_group.refresh_group(copy)
+    assert len(builds) == 1, "the only group like it is not what was built"
+    third = copy.copy()
+    bpy.context.scene.collection.objects.link(third)
+    third.pcc_probe.falloff = 0.5
+    probe_group.refresh_group(third)
+    assert len(builds) == 1 and len({group(p) for p in (probe, copy, third)}) == 3
+    assert group(third).name == f"PCC Probe {third.name}" and probe_group.probe_of(group(third)) == third
+    targets = {v.targets[0].id for c in group(third).animation_data.drivers for v in c.driver.variables}
+    assert targets == {third} and probe_group.is_current(third) and probe_group.is_current(copy)
+    assert values(third, "Falloff") == {0.5} and values(copy, "Falloff") == {0.75}
+
+
 def test_a_group_of_the_users_is_left_alone(probe) -> None:
     theirs = bpy.data.node_groups.new("Mine", "ShaderNodeTree")
     probe.pcc_probe.group = theirs

@@ -56,6 +56,7 @@ SUITES: dict[str, tuple[str, ...]] = {
     "blender/read/scene.py": ("tests/blender/test_read_scene.py",),
     "blender/handlers.py": ("tests/blender/test_handlers.py", "tests/blender/test_live.py"),
     "blender/marks.py": ("tests/blender/test_marks.py",),
+    "blender/shade/built.py": _GROUPS[:1],
     "blender/shade/drivers.py": ("tests/blender/test_drivers.py",),
     "blender/shade/groups.py": _TWINS,
     "blender/shade/injection.py": ("tests/blender/test_injection.py", *_TWINS),

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import time
 import uuid
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 
@@ -22,31 +25,50 @@ from . import lamps
 OVERSCAN = 8  # pixels on each side, so that denoising and filtering at an edge have real neighbours
 _SENSOR = 36.0
 _RAYS_OF_AN_OBJECT = 32
+# Probes whose faces one render gives: what it costs whatever it shows is shared by so many. Not more, since nobody can
+# stop it meanwhile (all its probes go over at most so many objects: seconds) and since all its pixels are held at once.
+_TOGETHER, _OBJECTS_TOGETHER, _PIXELS_TOGETHER = 16, 2**16, 2**22
 
 
 class Stage:
-    """A scene made ready for captures; close its stack to have the scene back as it was."""
+    """A scene made ready for captures; close its stack to have the scene back as it was.
 
-    def __init__(self, stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
+    Attributes:
+        owed: seconds by a probe's name that its faces took while another's were asked for; below 0 for that other one.
+    """
+
+    def __init__(
+        self,
+        stack: ExitStack,
+        scene: bpy.types.Scene,
+        view_layer: bpy.types.ViewLayer,
+        probes: Sequence[ProbeSpec],
+    ) -> None:
+        """Probes: all that will be captured, in order; faces of the next ones may be rendered with those of one."""
         self.scene = scene
         self.view_layer = view_layer
+        self.owed: dict[str, float] = {}
         compat.detach_compositor(stack, scene)
         self._renderer = Renderer(stack, scene, view_layer)
         _quiet_render(stack, scene)
         _set_engines(stack, scene)
         _show_as_reflected(stack, scene, view_layer)
-        self._lens = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
-        name = f"pcc capture {uuid.uuid4().hex}"  # which nobody has: views find their cameras by name
-        self._cameras = [_camera(stack, scene, self._lens, f"{name} {k}") for k in range(len(FACES))]
-        override(stack, scene, "camera", self._cameras[0])
         view_layer.update()
         self._things = len(view_layer.depsgraph.object_instances)
-        self._ready: dict[tuple[RenderSettings, int], np.ndarray] = {}  # faces rendered with others, not asked for yet
+        self._probes = list(probes)
+        self._most = 1 if _looks_at_camera(scene) else min(len(self._probes), _TOGETHER)
+        self._lens = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
+        name = f"pcc capture {uuid.uuid4().hex}"  # which nobody has: views find their cameras by name
+        count = len(FACES) * max(self._most, 1)
+        self._cameras = _cameras(stack, scene, self._lens, [f"{name} {k}" for k in range(count)])
+        override(stack, scene, "camera", self._cameras[0])
+        self._ready: dict[tuple[ProbeSpec, RenderSettings, int], np.ndarray] = {}  # rendered with others, not asked for
 
     def aim(self, stack: ExitStack, probe: ProbeSpec) -> None:
         """Set the engine and the camera for one probe, and what is hidden from it until `stack` closes."""
         scene, lens = self.scene, self._lens
-        self._ready.clear()
+        coming = self._coming(probe)
+        self._ready = {key: face for key, face in self._ready.items() if key[0] in coming}
         self._renderer.use(_settings(probe))
         for name in probe.hidden:
             override(stack, bpy.data.objects[name], "hide_render", True)
@@ -56,9 +78,7 @@ class Stage:
         lens.sensor_width = _SENSOR
         lens.lens = 0.5 * _SENSOR * probe.resolution / _size(probe)  # the inner pixels span exactly 90°
         lens.clip_start, lens.clip_end = probe.clip_start, probe.clip_end
-        for camera, face in zip(self._cameras, FACES, strict=True):
-            rotation = Matrix(face.rotation.tolist()).to_4x4()
-            camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
+        self._place_cameras([probe])
 
     def face(self, probe: ProbeSpec, index: int) -> np.ndarray:
         """Render one face: (n + 2·OVERSCAN, same, 3) float32 scene-linear radiance, row 0 at the bottom.
@@ -79,11 +99,44 @@ class Stage:
             what = f"probe '{probe.name}': face {FACES[index].name}"
             self.scene.camera = self._cameras[index]
             return _checked(what, self._renderer.picture(what).pixels, settings)
-        if (settings, index) not in self._ready:
-            what = f"probe '{probe.name}': its faces"
-            faces = [_checked(what, face, settings) for face in self._renderer.views(what, self._cameras)]
-            self._ready.update({(settings, k): face for k, face in enumerate(faces)})
-        return self._ready.pop((settings, index))
+        if (probe, settings, index) not in self._ready:
+            self._render_together(probe, settings)
+        return self._ready.pop((probe, settings, index))
+
+    def _render_together(self, probe: ProbeSpec, settings: RenderSettings) -> None:
+        """Render all faces of a probe, and those of probes that come after it and are captured alike."""
+        begin = time.perf_counter()
+        probes = self._alike(probe, settings)
+        self._place_cameras(probes)
+        what = f"probe '{probe.name}': its faces"
+        faces = iter(self._renderer.views(what, self._cameras[: len(FACES) * len(probes)]))
+        for each in probes:
+            self._ready.update({(each, settings, k): _checked(what, next(faces), settings) for k in range(len(FACES))})
+        share = (time.perf_counter() - begin) / len(probes)
+        self.owed[probe.name] = self.owed.get(probe.name, 0.0) - share * len(probes)
+        for each in probes:
+            self.owed[each.name] = self.owed.get(each.name, 0.0) + share
+
+    def _alike(self, probe: ProbeSpec, settings: RenderSettings) -> list[ProbeSpec]:
+        """The probes whose faces are rendered with those of one: it and the next ones that nothing sets apart."""
+        pixels = len(FACES) * settings.width * settings.height
+        most = min(self._most, _OBJECTS_TOGETHER // max(self._things, 1), _PIXELS_TOGETHER // pixels)
+        found = [probe]
+        for other in self._coming(probe)[1:]:
+            if len(found) >= most or _apart(other) != _apart(probe) or probe.hidden:
+                break
+            found.append(other)
+        return found
+
+    def _coming(self, probe: ProbeSpec) -> list[ProbeSpec]:
+        """A probe and those after it."""
+        return self._probes[self._probes.index(probe) :]
+
+    def _place_cameras(self, probes: Sequence[ProbeSpec]) -> None:
+        """Six cameras for each probe."""
+        for camera, (probe, face) in zip(self._cameras, itertools.product(probes, FACES), strict=False):
+            rotation = Matrix(face.rotation.tolist()).to_4x4()
+            camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
 
     def _together(self, settings: RenderSettings) -> bool:
         """Whether one render of all faces is worth that nobody can stop it between two: rays take less than objects.
@@ -96,6 +149,18 @@ class Stage:
         return settings.engine is Engine.CYCLES and rays <= _RAYS_OF_AN_OBJECT * self._things
 
 
+def _apart(probe: ProbeSpec) -> tuple:
+    """What must be the same for two probes in one render."""
+    return _settings(probe), probe.clip_start, probe.clip_end, probe.hidden
+
+
+def _looks_at_camera(scene: bpy.types.Scene) -> bool:
+    """Whether anything has a shape that depends on where the scene's camera is: one render knows only one."""
+    trees = [tree for tree in bpy.data.node_groups if tree.bl_idname == "GeometryNodeTree"]
+    drawn = any(modifier.type == "LINEART" for item in scene.objects for modifier in item.modifiers)
+    return drawn or any(node.bl_idname == "GeometryNodeInputActiveCamera" for tree in trees for node in tree.nodes)
+
+
 def _checked(what: str, picture: np.ndarray, settings: RenderSettings) -> np.ndarray:
     size = settings.width
     if picture.shape[:2] != (size, size):
@@ -106,10 +171,15 @@ def _checked(what: str, picture: np.ndarray, settings: RenderSettings) -> np.nda
     return picture
 
 
-def _camera(stack: ExitStack, scene: bpy.types.Scene, lens: bpy.types.Camera, name: str) -> bpy.types.Object:
-    camera = temporary(stack, bpy.data.objects, bpy.data.objects.new(name, lens))
-    scene.collection.objects.link(camera)
-    return camera
+def _cameras(
+    stack: ExitStack, scene: bpy.types.Scene, lens: bpy.types.Camera, names: Sequence[str]
+) -> list[bpy.types.Object]:
+    """Cameras in a scene until `stack` closes; removed at once, since each removal goes over the whole file."""
+    cameras = [bpy.data.objects.new(name, lens) for name in names]
+    stack.callback(bpy.data.batch_remove, cameras)
+    for camera in cameras:
+        scene.collection.objects.link(camera)
+    return cameras
 
 
 def _size(probe: ProbeSpec) -> int:

@@ -179,7 +179,7 @@ class BakeJob:
         # Once all is as it was: what a bake changes in its probes' groups may call for other twins.
         self._stack.callback(handlers.bring_all_up_to_date, self._scene)
         self._stack.enter_context(handlers.paused())
-        stage = Stage(self._stack, self._scene, self._view_layer)
+        stage = Stage(self._stack, self._scene, self._view_layer, [task.spec for task in tasks])
         _show_diffuse_only(self._stack, plan)
         done, waiting, begin = 0, [], time.perf_counter()
         for task in tasks:
@@ -248,6 +248,7 @@ class BakeJob:
                     _, bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)
                     bad = bad and replace(bad, glimpsed=True)
                 capture.replaced += [str(bad)] if bad else []
+                capture.seconds += stage.owed.pop(spec.name, 0.0)
 
     def _store(self, capture: _Capture) -> Iterator[str]:
         """Assemble, blur and store the faces of one probe; yields what comes next."""

@@ -63,6 +63,14 @@ def driven_object(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
     return next((variable.targets[0].id for curve in curves for variable in curve.driver.variables), None)
 
 
+def follow(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
+    """Let the drivers of a group follow a probe instead of whom they followed before."""
+    for curve in tree.animation_data.drivers if tree.animation_data else ():
+        for variable in curve.driver.variables:
+            if variable.targets[0].id != probe:
+                variable.targets[0].id = probe
+
+
 def _letters(expression: str) -> set[str]:
     """The one-letter names in a driver expression."""
     return set(re.findall(r"\b[a-z]\b", expression))

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 import bpy
+import numpy as np
 
 from ...core.effects import lookup
+from ...core.expression import Operand
 from ...core.probe import ProbeSpec, Receivers
 from .. import marks
 from ..read.probes import bake_record, probe_spec
 from ..store.pictures import check_pixels
-from .drivers import DRIVEN, driven_object, driven_vector
-from .groups import formula_group
+from . import built, groups
+from .drivers import DRIVEN, driven_object, driven_vector, follow
 from .node_builder import Surroundings, emit
 from .twin_order import ShownProbe
 
@@ -55,11 +57,19 @@ def refresh_group(
         "Falloff": spec.influence_falloff,
         **_following(spec),
     }
-    tree = _group_of(probe)
-    shares = bool(marks.noted(tree, _SHARES)) if shares is None else shares
-    formula = lookup.probe(effects, heights, known, shares=shares)
-    tree.animation_data_clear()
-    emit(tree, formula.outputs, Surroundings(_given(tree, probe), images, formula_group, frozenset(images)))
+    if shares is None:
+        shares = probe.pcc_probe.group is not None and bool(marks.noted(probe.pcc_probe.group, _SHARES))
+    recipe = f"{VERSION} {groups.VERSION} {effects.label} {heights} {shares}"
+    changing = {*known, *DRIVEN}
+    tree = _group_of(probe, recipe, changing)
+    if built.is_built(tree, recipe, changing):
+        _change(tree, probe, images, known)
+    else:
+        formula = lookup.probe(effects, heights, known, shares=shares)
+        tree.animation_data_clear()
+        given = _given(tree, probe)
+        emit(tree, formula.outputs, Surroundings(given, images, groups.formula_group, frozenset(images)))
+        built.note_built(tree, recipe, changing)
     marks.note(tree, marks.VERSION, VERSION)
     marks.note(tree, _BUILT_FOR, _place(probe))
     marks.note(tree, _EFFECTS, effects.label)
@@ -128,16 +138,37 @@ def _place(probe: bpy.types.Object) -> list[float]:
     return [*(float(value) for row in probe.matrix_world for value in row), float(probe.empty_display_size)]
 
 
-def _group_of(probe: bpy.types.Object) -> bpy.types.ShaderNodeTree:
-    """The probe's own group; a new one where it has none, or shares that of the probe that it was copied from."""
+def _group_of(probe: bpy.types.Object, recipe: str, changing: Collection[str]) -> bpy.types.ShaderNodeTree:
+    """The probe's own group; a new one where it has none, or shares that of the probe that it was copied from.
+
+    A new one is a copy of another probe's that is built by the same recipe, where there is one.
+    """
     tree = probe.pcc_probe.group
     usable = tree is not None and not tree.library and marks.role(tree) == ROLE
     if not usable or driven_object(tree) not in (None, probe):
-        tree = bpy.data.node_groups.new("PCC Probe", "ShaderNodeTree")
+        model = built.built_alike(ROLE, recipe, changing)
+        tree = model.copy() if model else bpy.data.node_groups.new("PCC Probe", "ShaderNodeTree")
         marks.tag(tree, ROLE)
         probe.pcc_probe.group = tree
     tree.name = f"PCC Probe {probe.name}"
     return tree
+
+
+def _change(
+    tree: bpy.types.ShaderNodeTree,
+    probe: bpy.types.Object,
+    images: Mapping[str, bpy.types.Image],
+    known: Mapping[str, Operand],
+) -> None:
+    """Give a group that is built already a probe, pictures and values; each call takes time, so only what differs."""
+    follow(tree, probe)
+    for node in tree.nodes:
+        if node.bl_idname == "ShaderNodeTexEnvironment" and node.image != images[node.name]:
+            node.image = images[node.name]
+        for socket in node.inputs if node.bl_idname == "ShaderNodeGroup" else ():
+            value = np.float32(known.get(socket.name, socket.default_value))
+            if not np.array_equal(socket.default_value, value):
+                socket.default_value = value
 
 
 def _given(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> dict[str, Callable[[], bpy.types.NodeSocket]]:

@@ -28,9 +28,8 @@ class _Desk:
         if self._reader is None:
             self._reader = temporary(self._stack, bpy.data.images, bpy.data.images.load(str(path)))
             self._reader.colorspace_settings.name = "Non-Color"
-        else:
-            self._reader.filepath = str(path)
-        self._reader.reload()
+        self._reader.filepath_raw = str(path)  # which tells nobody: the other way each node of the file is asked
+        self._reader.buffers_free()
         return self._reader
 
     def blank(self, width: int, height: int) -> bpy.types.Image:
@@ -146,7 +145,7 @@ def is_whole(path: Path, width: int, height: int) -> bool:
 def load(path: Path) -> bpy.types.Image:
     """The picture as a new data block for shaders."""
     image = bpy.data.images.load(str(path))
-    image.filepath = blend_path(path)
+    image.filepath_raw = blend_path(path)
     image.colorspace_settings.name = "Non-Color"
     image.alpha_mode = "NONE"
     return image
