@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from ..expression import Expr, minimum, sqrt
+from ..expression import Expr, Operand, lift, minimum, sqrt
 from .lobe import Curve
 
 
@@ -30,9 +30,9 @@ def fresnel_dielectric(cosine: np.ndarray, eta: float) -> np.ndarray:
     return np.where(g2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)
 
 
-def fresnel(cosine: Expr, eta: float) -> Expr:
+def fresnel(cosine: Expr, eta: Operand) -> Expr:
     """`fresnel_dielectric` as an expression."""
-    g = sqrt(eta**2 - 1.0 + cosine * cosine)
+    g = sqrt(lift(eta) * eta - 1.0 + cosine * cosine)
     a = (g - cosine) / (g + cosine)
     b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
     return minimum(0.5 * a * a * (1.0 + b * b), 1.0)
