@@ -36,6 +36,15 @@ class _Options:
     depth: bpy.props.FloatProperty(name="Depth", description=f"Of a room. {_AUTOMATIC}", min=0.0, unit="LENGTH")
     height: bpy.props.FloatProperty(name="Height", description=f"Of a room. {_AUTOMATIC}", min=0.0, unit="LENGTH")
     seed: bpy.props.IntProperty(name="Seed", description="Another number, other rooms")
+    middle: bpy.props.StringProperty(
+        name="Middle Layer", description="A flat picture with alpha of what stands in the room", subtype="FILE_PATH"
+    )
+    curtains: bpy.props.StringProperty(
+        name="Curtains", description="A flat picture with alpha of what hangs at the pane", subtype="FILE_PATH"
+    )
+
+    def _layers(self) -> list[bpy.types.Image | None]:
+        return [windows.layer(path) if path else None for path in (self.middle, self.curtains)]
 
     def _finish(self, context: bpy.types.Context, window: Window, size: tuple[float, float, float]) -> set[str]:
         """Make the material and put it on the selected objects, or on a new pane where none is selected."""
@@ -89,7 +98,7 @@ class PCC_OT_interior_add(_Options, bpy.types.Operator):
                 raise PccError("no probe is selected to show behind the window; select baked probes with the panes")
             across, away, up = rooms[0].picture.half_edges
             size = tuple(2.0 * sum(c * c for c in edge) ** 0.5 for edge in (across, away, up))
-            return self._finish(context, Window(rooms, Cells[self.cells]), size)
+            return self._finish(context, Window(rooms, Cells[self.cells], *self._layers()), size)
         except PccError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -120,12 +129,6 @@ class PCC_OT_interior_add_pictures(_Options, bpy.types.Operator):
                 "3 × 3 tiles, the back wall in the middle one, as JIWindowBox and wParallax have it",
             ),
         ],
-    )
-    middle: bpy.props.StringProperty(
-        name="Middle Layer", description="A flat picture with alpha of what stands in the room", subtype="FILE_PATH"
-    )
-    curtains: bpy.props.StringProperty(
-        name="Curtains", description="A flat picture with alpha of what hangs at the pane", subtype="FILE_PATH"
     )
     middle_corner: bpy.props.EnumProperty(name="Middle Layer", items=_CORNERS, default="BOTTOM_LEFT")
     curtain_corner: bpy.props.EnumProperty(name="Curtains", items=_CORNERS, default="TOP_LEFT")
@@ -162,7 +165,7 @@ class PCC_OT_interior_add_pictures(_Options, bpy.types.Operator):
                     for corner in (self.middle_corner, self.curtain_corner)
                 ]
             else:
-                layers = [windows.layer(path) if path else None for path in (self.middle, self.curtains)]
+                layers = self._layers()
             return self._finish(context, Window(rooms, Cells[self.cells], *layers), (4.0, 4.0, 3.0))
         except PccError as error:
             self.report({"ERROR"}, str(error))

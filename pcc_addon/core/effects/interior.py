@@ -19,6 +19,7 @@ from ..expression import (
     Expr,
     Formula,
     Op,
+    Operand,
     Section,
     Texel,
     absolute,
@@ -41,7 +42,7 @@ from ..expression import (
     vector,
 )
 from .fresnel import fresnel
-from .lookup import ON_WALL, read_picture
+from .lookup import read_picture
 
 POSITION = vector("Position")  # object space
 INCOMING = vector("Incoming")  # object space, to the eye, of any length
@@ -60,6 +61,9 @@ TINT_A, TINT_B = vector("Tint A"), vector("Tint B")
 MIDDLE_DEPTH, CURTAIN_DEPTH = scalar("Middle Depth"), scalar("Curtain Depth")  # shares of the room's depth
 MIDDLE, CURTAINS = scalar("Middle"), scalar("Curtains")  # shares of the rooms
 IOR = scalar("IOR")
+
+# A point of the unit room nearer to a wall than this is on it: less than any two float32 numbers near 1 differ by.
+ON_FACE = 1e-8
 
 MIDDLE_PICTURE, CURTAIN_PICTURE = "Middle Picture", "Curtain Picture"
 Vector = tuple[float, float, float]
@@ -153,7 +157,7 @@ def inside(spot: Expr, ray: Expr, size: Expr) -> tuple[Expr, Expr]:
         reciprocal, which is finite on walls too (see `lookup.nearness`).
     """
     speed = ray / size
-    near = greatest(absolute(speed) / maximum(1.0 - spot * sign(speed), ON_WALL))
+    near = greatest(absolute(speed) / maximum(1.0 - spot * sign(speed), ON_FACE))
     return multiply_add(spot, near, speed), near
 
 
@@ -164,11 +168,11 @@ def turned(place: Expr, quarters: Expr, mirror: Expr) -> Expr:
     return combine(x * cosine - y * sine, x * sine + y * cosine, place.z)
 
 
-def direction(place: Expr, near: Expr, room: RoomPicture) -> Expr:
-    """The direction to look up in a room's picture, from `inside`'s results, in the picture's axes."""
-    x, y, z = room.half_edges
-    found = multiply_add(place.x, x, multiply_add(place.y, y, place.z * z))
-    return found if room.capture == (0.0, 0.0, 0.0) else found - near * room.capture
+def direction(place: Expr, near: Expr, half_edges: Sequence[Operand], capture: Operand) -> Expr:
+    """The direction to look up in a room's picture, from `inside`'s results; the rest as in `RoomPicture`."""
+    x, y, z = half_edges
+    found = multiply_add(place.x, x, multiply_add(place.y, y, place.z * lift(z)))
+    return found if capture == (0.0, 0.0, 0.0) else found - near * lift(capture)
 
 
 def on_layer(spot: Expr, ray: Expr, size: Expr, depth: Expr) -> Expr:
@@ -209,8 +213,8 @@ def interior(record: Interior) -> Formula:
     """All of it: from a point of a pane in object space to the light of the room behind it.
 
     Returns:
-        A formula with "Radiance", dimmed as glass dims it; "Cell", the cell's two whole numbers and a third of its pane,
-        object and seed; "Random", three numbers of the cell's own for users; "Lit", 0 or 1. It samples "Room 0" and so
+        A formula with "Radiance", dimmed as glass dims it; "Cell", the cell's two whole numbers and one of its
+        pane, object and seed; "Random", three numbers of the cell's own for users; "Lit", 0 or 1. It samples "Room 0" and so
         on, and "Middle Picture" and "Curtain Picture" where there are such.
     """
     found = pane_formula()()
@@ -249,7 +253,9 @@ def _more(key: Expr, between: float) -> Expr:
 
 
 def _seen(k: int, room: RoomPicture, place: Expr, near: Expr) -> Expr:
-    return Section("Pictures", read_picture(f"Room {k}", room.rows, direction(place, near, room)))
+    return Section(
+        "Pictures", read_picture(f"Room {k}", room.rows, direction(place, near, room.half_edges, room.capture))
+    )
 
 
 def _chosen(pictures: Sequence[Expr], number: Expr) -> Expr:
