@@ -106,8 +106,8 @@ def exact(panes: Panes) -> Exact:
 def direction_bound(panes: Panes, truth: Exact) -> np.ndarray:
     """The largest angle in radians (n,) between what float32 finds and the exact direction; at most π.
 
-    As in `bound.py`: errors of the spot and of the speed let the reciprocal distance lie in an interval, whose ends give
-    a segment of directions; what is rounded afterwards is added.
+    As in `bound.py`: errors of the spot and of the speed let the reciprocal distance lie in an interval, whose ends
+    give a segment of directions; what is rounded afterwards is added.
     """
     spot, speed, capture = truth.spot, truth.speed, panes.capture.astype(np.float64)
     d_speed = ROUNDOFF * np.abs(speed) + SMALLEST  # one division
@@ -195,8 +195,8 @@ def borders(rng: np.random.Generator, n: int) -> Panes:
 
 @family("just left of the first cell")
 def before_zero(rng: np.random.Generator, n: int) -> Panes:
-    """Coordinates of −10⁻³⁸ … −10⁻³, whose fractions round to 1."""
-    return replace(windows(rng, n), place=single(-log_uniform(rng, 1e-38, 1e-3, (n, 3)) * (1, 1, 0)))
+    """Coordinates of −10⁻³⁷ … −10⁻³, whose fractions round to 1; smaller ones may be flushed to 0, the first cell."""
+    return replace(windows(rng, n), place=single(-log_uniform(rng, 1e-37, 1e-3, (n, 3)) * (1, 1, 0)))
 
 
 @family("the millionth cell")

@@ -34,7 +34,7 @@ uint pp_final(uint a, uint b, uint c) {
 }
 float pp_share(uint x) { return float(x) / 4294967295.0; }
 float pp_random(uvec3 k, float salt) {
-    uint a = 3735928584u + k.x, b = 3735928584u + k.y, c = 3735928584u + k.z;
+    uint a = 3735928588u + k.x, b = 3735928588u + k.y, c = 3735928588u + k.z;
     a = (a - c) ^ pp_rotated(c, 4); c += b; b = (b - a) ^ pp_rotated(a, 6); a += c;
     c = (c - b) ^ pp_rotated(b, 8); b += a; a = (a - c) ^ pp_rotated(c, 16); c += b;
     b = (b - a) ^ pp_rotated(a, 19); a += c; c = (c - b) ^ pp_rotated(b, 4); b += a;
@@ -42,7 +42,7 @@ float pp_random(uvec3 k, float salt) {
 }
 vec3 pp_random(vec3 key) {
     uvec3 k = floatBitsToUint(key);
-    float first = pp_share(pp_final(3735928576u + k.x, 3735928576u + k.y, 3735928576u + k.z));
+    float first = pp_share(pp_final(3735928584u + k.x, 3735928584u + k.y, 3735928584u + k.z));
     return vec3(first, pp_random(k, 1.0), pp_random(k, 2.0));
 }
 """

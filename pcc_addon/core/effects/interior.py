@@ -213,9 +213,9 @@ def interior(record: Interior) -> Formula:
     """All of it: from a point of a pane in object space to the light of the room behind it.
 
     Returns:
-        A formula with "Radiance", dimmed as glass dims it; "Cell", the cell's two whole numbers and one of its
-        pane, object and seed; "Random", three numbers of the cell's own for users; "Lit", 0 or 1. It samples "Room 0" and so
-        on, and "Middle Picture" and "Curtain Picture" where there are such.
+        A formula with "Radiance", dimmed as glass dims it; "Cell", the cell's two whole numbers and one of its pane,
+        object and seed; "Random", three numbers of the cell's own for users; "Lit", 0 or 1. It samples "Room 0" and
+        so on, and "Middle Picture" and "Curtain Picture" where there are such.
     """
     found = pane_formula()()
     ray, size = found["Ray"], combine(WIDTH, DEPTH, HEIGHT)
