@@ -29,6 +29,7 @@ class Front:
         columns, floors: of rooms.
         place: its lower left corner as one sees it from outside, world space, metres.
         turn: about the vertical, radians; 0 faces −Y.
+        wall: how thick walls and floors between rooms are, metres.
     """
 
     name: str
@@ -36,6 +37,12 @@ class Front:
     floors: int
     place: tuple[float, float, float]
     turn: float
+    wall: float = 0.0
+
+    @property
+    def pitch(self) -> tuple[float, float]:
+        """From room to room, along the wall and up, metres."""
+        return 2.0 * ROOM.half_extents[0] + self.wall, 2.0 * ROOM.half_extents[2] + self.wall
 
     @property
     def matrix(self) -> Matrix:
@@ -44,22 +51,22 @@ class Front:
 
     def middle_of(self, column: int, floor: int) -> Vector:
         """The middle of a room's outer side, in the wall's own axes."""
-        width, _, height = (2.0 * h for h in ROOM.half_extents)
-        return Vector(((column + 0.5) * width, 0.0, (floor + 0.5) * height))
+        along, up = self.pitch
+        return Vector(((column + 0.5) * along, 0.0, (floor + 0.5) * up))
 
 
-MAIN = Front("Main", 4, 3, (-8.0, 4.0, 0.0), 0.0)
+MAIN = Front("Main", 4, 3, (-8.8, 4.0, 0.0), 0.0, 0.2)
 WING = Front("Wing", 3, 3, (8.0, 4.0, 0.0), math.radians(-62.0))
 
 
 def interior(resolution: int = 256, samples: int = 64) -> bpy.types.Scene:
-    """The scene: rooms of the main front by size, those of the wing by UV map, three panes that are one mesh.
+    """The scene: rooms of the main front by UV map, those of the wing by size, and two panes by an array.
 
     The room is baked at once, as window materials show pictures; the arguments are those of its probe.
     """
     scene = empty_scene()
     dusk = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
-    dusk.inputs["Color"].default_value, dusk.inputs["Strength"].default_value = (0.25, 0.4, 0.8, 1.0), 0.25
+    dusk.inputs["Color"].default_value, dusk.inputs["Strength"].default_value = (0.25, 0.4, 0.8, 1.0), 0.5
     furnished_room()
     probe = bake_room(resolution, samples)
     layers = flat_picture("Table", table()), flat_picture("Curtains", curtains())
@@ -68,9 +75,9 @@ def interior(resolution: int = 256, samples: int = 64) -> bpy.types.Scene:
     variety = {"Mirrored": 0.5, "Lit": 0.75, "Strength": 1.0, "Dark Strength": 0.04, "Curtains": 0.4, "Middle": 0.5}
     variety |= {"Tint A": (1.0, 0.72, 0.45, 1.0), "Tint B": (0.85, 0.95, 1.0, 1.0)}
     rooms = Window((room_of_probe(probe),), middle=layers[0], curtains=layers[1])
-    by_size = window_material("Window", rooms, {**sizes, **variety, "Offset": (-0.5, -0.5, 0.0), "Seed": 4.0})
-    by_uv = window_material("Window by UV", Window(rooms.rooms, Cells.UV, *layers), {**sizes, **variety})
-    for front, material in ((MAIN, by_size), (WING, by_uv)):
+    by_uv = window_material("Window", Window(rooms.rooms, Cells.UV, *layers), {**sizes, **variety, "Seed": 4.0})
+    by_size = window_material("Window by Size", rooms, {**sizes, **variety, "Offset": (-0.5, -0.5, 0.0)})
+    for front, material in ((MAIN, by_uv), (WING, by_size)):
         add_front(front)
         put_on(material, [add_panes(front)])
     _annex(window_material("Shop Window", rooms, {**sizes, **variety, "Lit": 1.0, "Curtains": 0.0}))
@@ -115,12 +122,13 @@ def furnished_room() -> bpy.types.Collection:
     lamp = bpy.data.objects.new("Ceiling Lamp", light)
     lamp.matrix_world = ROOM.matrix @ Matrix.Translation((0.0, 0.0, ROOM.half_extents[2] - 0.03))
     bpy.context.scene.collection.objects.link(lamp)
-    return _collected("Furnished Room", before)
+    return collected("Furnished Room", before)
 
 
-def real_rooms(front: Front, room: bpy.types.Collection) -> None:
+def real_rooms(front: Front, room: bpy.types.Collection) -> list[bpy.types.Object]:
     """What path tracing sees: the room itself behind every window of a front, whose panes are hidden."""
     bpy.data.objects[f"{front.name} Panes"].hide_render = True
+    copies = []
     back = Matrix.Translation((0.0, ROOM.half_extents[1], 0.0)) @ ROOM.matrix.inverted()
     for column in range(front.columns):
         for floor in range(front.floors):
@@ -128,12 +136,14 @@ def real_rooms(front: Front, room: bpy.types.Collection) -> None:
             copy.instance_type, copy.instance_collection = "COLLECTION", room
             copy.matrix_world = front.matrix @ Matrix.Translation(front.middle_of(column, floor)) @ back
             bpy.context.scene.collection.objects.link(copy)
+            copies.append(copy)
+    return copies
 
 
 def add_front(front: Front) -> bpy.types.Object:
     """The outer wall with its openings, 0.12 m thick, the panes' plane at its back."""
     half_x, half_z = OPENING[0] / 2.0, OPENING[1] / 2.0
-    room_x, room_z = ROOM.half_extents[0], ROOM.half_extents[2]
+    room_x, room_z = (length / 2.0 for length in front.pitch)
     points: list[tuple[float, float, float]] = []
     faces: list[tuple[int, ...]] = []
 
@@ -161,27 +171,31 @@ def add_front(front: Front) -> bpy.types.Object:
 def add_panes(front: Front) -> bpy.types.Object:
     """All panes of a front in one mesh, with UVs in rooms."""
     half_x, half_z = OPENING[0] / 2.0, OPENING[1] / 2.0
-    points, faces = [], []
+    points, faces, places = [], [], []
+    width, height = 2.0 * ROOM.half_extents[0], 2.0 * ROOM.half_extents[2]
     for column in range(front.columns):
         for floor in range(front.floors):
             x, _, z = front.middle_of(column, floor) + Vector((0.0, 0.0, SILL))
             faces.append(tuple(range(len(points), len(points) + 4)))
-            points += [(x + i * half_x, 0.0, z + k * half_z) for i, k in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            for i, k in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+                points.append((x + i * half_x, 0.0, z + k * half_z))
+                places.append((column + 0.5 + i * half_x / width, floor + 0.5 + (SILL + k * half_z) / height))
     panes = _mesh(f"{front.name} Panes", points, faces, front.matrix, None)
     uv = panes.data.uv_layers.new(name="Rooms").uv
-    width, height = 2.0 * ROOM.half_extents[0], 2.0 * ROOM.half_extents[2]
-    for corner, (x, _, z) in zip(uv, points, strict=True):
-        corner.vector = (x / width, z / height)
+    for corner, place in zip(uv, places, strict=True):
+        corner.vector = place
     return panes
 
 
 def _annex(material: bpy.types.Material) -> None:
     """One pane repeated by an array: cells follow the object's own axes."""
-    place = Matrix.Translation((-8.5, -1.0, 1.5)) @ Matrix.Rotation(math.radians(90.0), 4, "Z")
+    kiosk = Room((4.2, 1.0, 1.6), (-7.0, -1.2, 1.6), math.radians(30.0))
+    add_box(kiosk, "Annex", (0.0, 0.0, 0.0), kiosk.half_extents, _matt("Annex", (0.2, 0.2, 0.22)))
+    place = kiosk.matrix @ Matrix.Translation((-2.0, -1.05, -0.1))
     pane = add_pane(bpy.context.scene.collection, "Annex Panes", place, 3.6, 2.6)
     array = pane.modifiers.new("Array", "ARRAY")
     array.count, array.use_relative_offset, array.use_constant_offset = 2, False, True
-    array.constant_offset_displace = (-4.0, 0.0, 0.0)
+    array.constant_offset_displace = (4.0, 0.0, 0.0)
     put_on(material, [pane])
 
 
@@ -255,7 +269,7 @@ def _mesh(
     return item
 
 
-def _collected(name: str, before: set[bpy.types.Object]) -> bpy.types.Collection:
+def collected(name: str, before: set[bpy.types.Object]) -> bpy.types.Collection:
     """A collection, in the scene, of all objects that were not there before."""
     scene = bpy.context.scene
     collection = bpy.data.collections.new(name)

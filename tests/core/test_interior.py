@@ -152,7 +152,7 @@ def variety(count: int, **changed: object) -> dict[str, np.ndarray]:
 def test_rooms_are_lit_as_often_as_asked() -> None:
     for share in (0.0, 0.3, 1.0):
         found = variety(20_000, Lit=share, Dark_Strength=0.25)
-        lit = found["Lit"] == 1.0
+        lit = found["Is Lit"] == 1.0
         assert abs(lit.mean() - share) <= 0.015 * (0.0 < share < 1.0)
         strength = np.linalg.norm(found["Radiance"], axis=-1)
         np.testing.assert_allclose(strength, np.where(lit, 1.0, 0.25), atol=0.01)
@@ -189,10 +189,10 @@ def test_tints_lie_between_both_colours() -> None:
 
 def test_seeds_objects_and_walls_have_rooms_of_their_own() -> None:
     plain = variety(5000, Lit=0.5)
-    assert 0.4 < (plain["Lit"] == variety(5000, Lit=0.5, Seed=1.0)["Lit"]).mean() < 0.6
+    assert 0.4 < (plain["Is Lit"] == variety(5000, Lit=0.5, Seed=1.0)["Is Lit"]).mean() < 0.6
     other = variety(5000, Lit=0.5, Object_Random=0.7)
-    assert 0.4 < (plain["Lit"] == other["Lit"]).mean() < 0.6
-    shared = [variety(5000, Lit=0.5, Object_Random=r, Per_Object=0.0)["Lit"] for r in (0.3, 0.7)]
+    assert 0.4 < (plain["Is Lit"] == other["Is Lit"]).mean() < 0.6
+    shared = [variety(5000, Lit=0.5, Object_Random=r, Per_Object=0.0)["Is Lit"] for r in (0.3, 0.7)]
     assert (shared[0] == shared[1]).all()
     position, eye = facade(500)
     record = Interior((RoomPicture(rows=HEIGHT),))

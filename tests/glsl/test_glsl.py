@@ -157,7 +157,7 @@ def test_a_pane_shows_the_rooms_that_numpy_sees(driver: None) -> None:
     pictures = {"Middle Picture": flat, "Room 0": smooth, "Room 1": smooth[:, ::-1]}
     found, expected = run(formula, inputs, pictures), evaluate(formula.outputs, inputs, np.float32, pictures)
     np.testing.assert_array_equal(found["Cell"], expected["Cell"])
-    np.testing.assert_array_equal(found["Lit"], expected["Lit"])
-    assert expected["Lit"].min() < expected["Lit"].max()
+    np.testing.assert_array_equal(found["Is Lit"], expected["Is Lit"])
+    assert expected["Is Lit"].min() < expected["Is Lit"].max()
     wrong = np.abs(found["Radiance"] - expected["Radiance"]).max(-1) > 0.02  # drivers filter with 8 bits
     assert wrong.mean() < 0.01, "but where a layer begins"

@@ -65,7 +65,7 @@ _OUTPUTS = {
     "Radiance": "The light of the room behind the pane",
     "Cell": "Which room it is: its numbers along and up the pane, and what its variety comes from",
     "Random": "Three random numbers of the room, for anything else that varies",
-    "Lit": "1 where the room is lit, else 0",
+    "Is Lit": "1 where the room is lit, else 0",
 }
 
 

@@ -79,7 +79,7 @@ def declare_sockets(tree: bpy.types.ShaderNodeTree, in_out: str, wanted: Mapping
     """Give a group's inputs or outputs these names and socket types; sockets that fit already are kept."""
     fitting = set()
     for item in [i for i in tree.interface.items_tree if i.in_out == in_out]:
-        if wanted.get(item.name) == item.bl_socket_idname and item.name not in fitting:
+        if wanted.get(item.name) == item.socket_type and item.name not in fitting:
             fitting.add(item.name)
         else:
             tree.interface.remove(item)

@@ -214,7 +214,7 @@ def interior(record: Interior) -> Formula:
 
     Returns:
         A formula with "Radiance", dimmed as glass dims it; "Cell", the cell's two whole numbers and one of its pane,
-        object and seed; "Random", three numbers of the cell's own for users; "Lit", 0 or 1. It samples "Room 0" and
+        object and seed; "Random", three numbers of the cell's own for users; "Is Lit", 0 or 1. It samples "Room 0" and
         so on, and "Middle Picture" and "Curtain Picture" where there are such.
     """
     found = pane_formula()()
@@ -244,7 +244,7 @@ def interior(record: Interior) -> Formula:
     strength = mix(DARK_STRENGTH, STRENGTH, lit)
     left = 1.0 - fresnel(clamp(normalize(ray).y, 1e-12), IOR)
     light = Section("Light", light * mix(TINT_A, TINT_B, second.y) * (strength * left))
-    return Formula("Interior", {"Radiance": light, "Cell": key, "Random": _more(key, 0.75), "Lit": lit + 0.0})
+    return Formula("Interior", {"Radiance": light, "Cell": key, "Random": _more(key, 0.75), "Is Lit": lit})
 
 
 def _more(key: Expr, between: float) -> Expr:
