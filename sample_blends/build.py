@@ -5,13 +5,14 @@ from __future__ import annotations
 import atexit
 import contextlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import bpy
 
 import pcc_addon
 
-from . import scenes
+from . import interior, scenes
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -21,6 +22,7 @@ def main() -> None:
     atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
     _save("emissive_room.blend", _emissive_room_with_probe)
     _save("gallery.blend", scenes.gallery)
+    _save("interior.blend", partial(interior.interior, 96, 48))
 
 
 def _emissive_room_with_probe() -> None:
