@@ -239,6 +239,13 @@ def test_glass_takes_what_fresnel_says() -> None:
 
 def test_a_flat_picture_is_nothing_beyond_its_edges() -> None:
     picture = np.arange(24.0).reshape(2, 3, 4) + 1.0
-    places = np.array([(0.5 / 3.0, 0.25, 9.0), (1.0, 1.0, 0.0), (1.0001, 0.5, 0.0), (0.5, -1e-9, 0.0), (0.5, 0.5, 0.0)])
+    places = np.array([(0.0, 0.0, 9.0), (1.0, 1.0, 0.0), (1.0001, 0.5, 0.0), (0.5, -1e-9, 0.0), (0.5, 0.5, 0.0)])
     found = flat.lookup(picture, places)
     np.testing.assert_allclose(found[:, 0], (1.0, 21.0, 0.0, 0.0, (5.0 + 17.0) / 2.0))
+
+
+def test_a_capture_from_the_rooms_middle_subtracts_nothing() -> None:
+    centred, aside = (
+        sum(1 for _ in interior(Interior((RoomPicture(capture=c),))).parts()) for c in ((0.0,) * 3, (1.0,) * 3)
+    )
+    assert centred < aside
