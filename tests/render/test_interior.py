@@ -8,9 +8,10 @@ import pytest
 from mathutils import Matrix
 
 from benchmarks.interior import FAR_FRONT, glowing_house, rooms_behind, seen_panes, show_rooms
-from benchmarks.measure import relative_rmse, render
-from pcc_addon.blender.shade.interior import interior_node
+from benchmarks.measure import covered, relative_rmse, render
+from pcc_addon.blender.shade.interior import Window, interior_node, room_of_probe, window_material
 from pcc_addon.core.probe import Engine
+from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room, principled
 
 
 @pytest.fixture
@@ -60,3 +61,26 @@ def test_errors_stay_below_what_the_docs_promise(house: bpy.types.Scene) -> None
     cycles = relative_rmse(render(house).pixels, truth, mask)
     assert cycles <= 0.04
     assert relative_rmse(render(house, Engine.EEVEE).pixels, truth, mask) <= cycles + 0.01
+
+
+def test_glass_over_a_room_shows_a_probe_as_the_path_tracer_shows_the_surroundings(addon: None) -> None:
+    scene = emissive_room()
+    scene.render.resolution_x, scene.render.resolution_y = 160, 90
+    settings = add_room_probe(EMISSIVE_ROOM).pcc_probe
+    settings.resolution, settings.samples, settings.denoise = 128, 4, False
+    bpy.data.objects["Wall -Z"].active_material = principled("Dark", Base_Color=(0, 0, 0, 1), Specular_IOR_Level=0.0)
+    bpy.ops.pcc.bake(scope="ALL")
+    window = Window((room_of_probe(bpy.data.objects["Room"]),))
+    material = window_material("Window", window, {"Strength": 0.2, "IOR": 2.0})
+    glass = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+    glass.inputs["IOR"].default_value = 2.0
+    wall = bpy.data.objects["Wall +Y"]
+    wall.active_material = material
+    scene.camera.matrix_world.translation = EMISSIVE_ROOM.world(-3.5, -1.0, 0.0)
+    traced, mask = render(scene).pixels, covered(scene, wall)
+    glass.inputs["Specular IOR Level"].default_value = 0.0
+    without = render(scene).pixels
+    glass.inputs["Specular IOR Level"].default_value = 0.5
+    assert mask.mean() > 0.05 and relative_rmse(without, traced, mask) > 0.3, "the glass reflects"
+    bpy.ops.pcc.inject()
+    assert relative_rmse(render(scene).pixels, traced, mask) < 0.12
