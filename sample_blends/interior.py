@@ -120,6 +120,7 @@ def furnished_room() -> bpy.types.Collection:
     light = bpy.data.lights.new("Ceiling Lamp", "AREA")
     light.size, light.energy = 0.7, 90.0
     lamp = bpy.data.objects.new("Ceiling Lamp", light)
+    lamp.visible_camera = True  # as captures show it
     lamp.matrix_world = ROOM.matrix @ Matrix.Translation((0.0, 0.0, ROOM.half_extents[2] - 0.03))
     bpy.context.scene.collection.objects.link(lamp)
     return collected("Furnished Room", before)
