@@ -8,12 +8,13 @@ def register() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import operators, panels, picture, plan
+    from .ui import interior, operators, panels, picture, plan
 
     properties.register()
-    for cls in (*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *panels.CLASSES):
+    for cls in (*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *panels.CLASSES):
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_lightprobe_add.append(panels.draw_add_menu)
+    bpy.types.VIEW3D_MT_lightprobe_add.append(interior.draw_add_menu)
     handlers.register()
     _shell_command(register=True)
 
@@ -23,12 +24,15 @@ def unregister() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import operators, panels, picture, plan
+    from .ui import interior, operators, panels, picture, plan
 
     _shell_command(register=False)
     handlers.unregister()
+    bpy.types.VIEW3D_MT_lightprobe_add.remove(interior.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.remove(panels.draw_add_menu)
-    for cls in reversed((*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *panels.CLASSES)):
+    for cls in reversed(
+        (*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *panels.CLASSES)
+    ):
         bpy.utils.unregister_class(cls)
     properties.unregister()
 

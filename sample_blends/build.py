@@ -5,13 +5,14 @@ from __future__ import annotations
 import atexit
 import contextlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import bpy
 
 import pcc_addon
 
-from . import any_cubemap, scenes
+from . import any_cubemap, interior, scenes
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -23,6 +24,7 @@ def main() -> None:
     _save("gallery.blend", scenes.gallery)
     any_cubemap.write_cross(any_cubemap.PICTURE, 64)
     _save("any_cubemap.blend", any_cubemap.any_cubemap)
+    _save("interior.blend", partial(interior.interior, 96, 48))
 
 
 def _emissive_room_with_probe() -> None:

@@ -121,7 +121,7 @@ def emissive(name: str) -> tuple[bpy.types.Material, bpy.types.Node]:
     return material, emission
 
 
-def _emissive_checker(name: str, bright: tuple, dark: tuple) -> bpy.types.Material:
+def emissive_checker(name: str, bright: tuple, dark: tuple) -> bpy.types.Material:
     material, emission = emissive(name)
     material.node_tree.links.new(_checker(material, bright, dark, 1.0), emission.inputs["Color"])
     return material
@@ -145,7 +145,7 @@ def emissive_room(room: Room = EMISSIVE_ROOM) -> bpy.types.Scene:
     """A room whose walls and ceiling only glow and whose floor is a mirror: a path tracer has no noise in it."""
     scene = empty_scene()
     for side, (bright, dark) in EMISSIVE_COLORS.items():
-        add_wall(room, side, _emissive_checker(f"Glow {side}", bright, dark))
+        add_wall(room, side, emissive_checker(f"Glow {side}", bright, dark))
     mirror = principled("Mirror", Base_Color=(1.0, 1.0, 1.0, 1.0), Metallic=1.0, Roughness=0.0)
     add_wall(room, "-Z", mirror)
     add_camera(room.world(-4.2, -3.3, 0.0), room.world(1.2, 0.9, -2.0), 24.0, 480, 270)

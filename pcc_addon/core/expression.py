@@ -2,7 +2,8 @@
 
 An expression is a scalar (width 1) or a vector (width 3). Where a scalar meets a vector it stands for
 all three components. The operations are those that Blender's Math and Vector Math nodes offer, with their
-meaning; in particular x / 0 is 0. A `Sample` reads a picture; a `Call` applies another formula.
+meaning; in particular x / 0 is 0. A `Sample` reads a picture of all directions, a `Texel` a flat one; a `Call` applies
+another formula.
 """
 
 from __future__ import annotations
@@ -25,10 +26,13 @@ class Op(Enum):
     MAXIMUM = auto()
     ABSOLUTE = auto()
     SIGN = auto()
+    FLOOR = auto()
     SQRT = auto()  # scalar
     MULTIPLY_ADD = auto()  # a * b + c
     DOT = auto()  # two vectors to a scalar
     LENGTH = auto()  # a vector to a scalar
+    CROSS = auto()  # two vectors to a vector
+    RANDOM = auto()  # a vector to three numbers of 0 … 1 that only equal bits share: Blender's White Noise in 3D
     NORMALIZE = auto()  # the zero vector stays zero
     REFLECT = auto()  # a − 2 (a · n) n with n = b normalised
     COMBINE = auto()  # three scalars to a vector
@@ -128,6 +132,18 @@ class Sample(Expr):
 
 
 @dataclass(frozen=True, eq=False)
+class Texel(Expr):
+    """The colour (width 3) or the alpha (width 1) of a flat picture at (u, v, anything); 0 outside 0 … 1.
+
+    Colours are not multiplied by alpha.
+    """
+
+    picture: str
+    place: Expr
+    width: int
+
+
+@dataclass(frozen=True, eq=False)
 class Section(Expr):
     """An expression under a heading, for those who read the formula as nodes or text; its value is the same."""
 
@@ -163,7 +179,7 @@ class Formula:
     @cached_property
     def pictures(self) -> tuple[str, ...]:
         """The names of the pictures that it samples itself."""
-        return tuple(dict.fromkeys(part.picture for part in self.parts() if isinstance(part, Sample)))
+        return tuple(dict.fromkeys(part.picture for part in self.parts() if isinstance(part, (Sample, Texel))))
 
     def parts(self) -> Iterator[Expr]:
         """Its expressions and all that they are made of, each once, arguments first; not the insides of calls."""
@@ -212,6 +228,8 @@ def arguments_of(expr: Expr) -> tuple[Expr, ...]:
         return expr.args
     if isinstance(expr, Sample):
         return (expr.direction,)
+    if isinstance(expr, Texel):
+        return (expr.place,)
     if isinstance(expr, Section):
         return (expr.content,)
     return expr.calls.arguments if isinstance(expr, Call) else ()
@@ -270,6 +288,11 @@ def sign(a: Operand) -> Expr:
     return operation(Op.SIGN, a)
 
 
+def floor(a: Operand) -> Expr:
+    """The largest whole number that is not above it, by component."""
+    return operation(Op.FLOOR, a)
+
+
 def sqrt(a: Operand) -> Expr:
     """Square root of a scalar; 0 for a negative one."""
     return operation(Op.SQRT, a)
@@ -291,6 +314,15 @@ def length(a: Operand) -> Expr:
 def reflect(a: Operand, normal: Operand) -> Expr:
     """The mirror image of direction `a` in the plane of a normal of any length: it ends on the plane's other side."""
     return operation(Op.REFLECT, a, normal)
+
+
+def cross(a: Operand, b: Operand) -> Expr:
+    return operation(Op.CROSS, a, b)
+
+
+def random(key: Operand) -> Expr:
+    """Three numbers of 0 … 1, the same wherever the key's bits are; −0 and 0 are different keys."""
+    return operation(Op.RANDOM, key)
 
 
 def normalize(a: Operand) -> Expr:

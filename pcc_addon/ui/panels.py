@@ -99,6 +99,9 @@ class PCC_PT_scene(bpy.types.Panel):
         column.operator("pcc.plan", icon="PRESET")
         column.operator("pcc.inject", icon="MATERIAL")
         column.operator("pcc.remove", icon="X")
+        column = layout.column(align=True)
+        column.operator("pcc.interior_add", icon="MOD_LATTICE")
+        column.operator("pcc.interior_add_pictures", icon="IMAGE_DATA")
         layout.prop(context.scene.pcc, "roughness_limit")
         layout.prop(context.scene.pcc, "folder")
 

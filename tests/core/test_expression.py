@@ -110,15 +110,19 @@ def test_no_operation_changes_the_precision(op: ex.Op, dtype: type) -> None:
         ex.Op.LENGTH: 1,
         ex.Op.DOT: 2,
         ex.Op.REFLECT: 2,
+        ex.Op.CROSS: 2,
+        ex.Op.RANDOM: 1,
         ex.Op.COMPONENT_X: 1,
         ex.Op.COMPONENT_Y: 1,
         ex.Op.COMPONENT_Z: 1,
     }
-    scalars = {ex.Op.ABSOLUTE: 1, ex.Op.SIGN: 1, ex.Op.SQRT: 1, ex.Op.MULTIPLY_ADD: 3, ex.Op.COMBINE: 3}
+    scalars = dict.fromkeys((ex.Op.ABSOLUTE, ex.Op.SIGN, ex.Op.FLOOR, ex.Op.SQRT), 1)
+    scalars |= {ex.Op.MULTIPLY_ADD: 3, ex.Op.COMBINE: 3}
     args = [U, V][: vectors[op]] if op in vectors else [A, B, 2.0][: scalars.get(op, 2)]
     out = value(ex.operation(op, *args), dtype, u=[1.0, 2.0, 2.0], v=[1.0, 0.0, 0.0], a=0.3, b=0.7)
     assert out.dtype == dtype
-    assert out.shape == ((3,) if op in (ex.Op.NORMALIZE, ex.Op.REFLECT, ex.Op.COMBINE) else ())
+    wide = {ex.Op.NORMALIZE, ex.Op.REFLECT, ex.Op.CROSS, ex.Op.RANDOM, ex.Op.COMBINE}
+    assert out.shape == ((3,) if op in wide else ())
 
 
 def test_widths_are_known_before_anything_is_evaluated() -> None:

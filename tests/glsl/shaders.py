@@ -41,7 +41,9 @@ def run(
     program = context.program(vertex_shader=shader, varyings=list(outputs))
     for unit, (name, picture) in enumerate((pictures or {}).items()):
         height, width = picture.shape[:2]
-        texture = context.texture((width, height), 3, np.ascontiguousarray(picture, np.float32).tobytes(), dtype="f4")
+        texture = context.texture(
+            (width, height), picture.shape[2], np.ascontiguousarray(picture, np.float32).tobytes(), dtype="f4"
+        )
         texture.repeat_x, texture.repeat_y = True, False
         texture.use(unit)
         program[glsl.identifier(name)] = unit

@@ -13,12 +13,13 @@ import pytest
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import lookup
 from pcc_addon.core.effects.dielectric import Dielectric
+from pcc_addon.core.effects.interior import Cells, Interior, RoomPicture, interior
 from pcc_addon.core.effects.metal import Metal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.effects.roughness import mixed_formula
 from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
-from pcc_addon.core.expression import Formula
+from pcc_addon.core.expression import Formula, random, vector
 from tests.conformance.reference import angle
 from tests.core.boxes import directions
 from tests.glsl.shaders import run, vertex_shader
@@ -30,6 +31,8 @@ FORMULAS = [
     lookup.probe(LookupEffects(Correction.NONE, None, False), {"Level 0": 32}),
     *(lookup.probe(effects, {"Level 0": 64, "Level 1": 32}, shares=True) for effects in LOOKUPS),
     mixed_formula((0.0, 0.1, 0.3)),
+    interior(Interior((RoomPicture(), RoomPicture(capture=(0.1, 0.2, 0.3))), middle=True, curtains=True)),
+    interior(Interior((RoomPicture(),), Cells.UV)),
     surface_formula(SurfaceEffects((Multiscatter(), Dielectric.of(1.5, None), Metal(tinted=True)))),
 ]
 
@@ -128,3 +131,38 @@ def test_a_surface_reflects_what_numpy_says(driver: None) -> None:
     found, expected = run(formula, inputs), evaluate(formula.outputs, inputs)
     for name, values in expected.items():
         np.testing.assert_allclose(found[name], values, atol=2e-4)
+
+
+def test_random_numbers_are_the_same_bit_by_bit(driver: None) -> None:
+    rng = np.random.default_rng(9)
+    keys = np.concatenate([rng.integers(-500, 500, (2000, 3)), rng.normal(size=(2000, 3))]).astype(np.float32)
+    formula = Formula("Noise", {"Numbers": random(vector("Key"))})
+    found, expected = run(formula, {"Key": keys}), evaluate(formula.outputs, {"Key": keys}, np.float32)
+    np.testing.assert_allclose(found["Numbers"], expected["Numbers"], rtol=3e-7)
+
+
+def test_a_pane_shows_the_rooms_that_numpy_sees(driver: None) -> None:
+    rng = np.random.default_rng(10)
+    count = 2000
+    whole = interior(Interior((RoomPicture(rows=64), RoomPicture(capture=(0.2, 0.1, 0.0), rows=64)), middle=True))
+    varying = {"Position", "Incoming", "Normal", "Up", "Seed"}
+    known = {name: 0.5 if part.width == 1 else (1.0, 1.0, 1.0) for name, part in whole.inputs.items()}
+    calls = whole(**{name.replace(" ", "_"): value for name, value in known.items() if name not in varying})
+    formula = Formula("Pane", {name: calls[name] for name in whole.outputs})
+    inputs = {
+        "Position": rng.uniform(-9.0, 9.0, (count, 3)),
+        "Incoming": directions(count, rng),
+        "Normal": np.tile((0.0, -1.0, 0.0), (count, 1)),
+        "Up": np.tile((0.0, 0.0, 1.0), (count, 1)),
+        "Seed": rng.integers(0, 100, count),
+    }
+    rows, columns = np.mgrid[0:64, 0:128]
+    smooth = np.stack([np.sin(columns * np.pi / 32.0), np.cos(rows * np.pi / 64.0), rows / 64.0], -1) + 1.0
+    flat = np.concatenate([np.cos(np.mgrid[0:64, 0:64] / 20.0).transpose(1, 2, 0), np.full((64, 64, 2), 0.5)], -1)
+    pictures = {"Middle Picture": flat, "Room 0": smooth, "Room 1": smooth[:, ::-1]}
+    found, expected = run(formula, inputs, pictures), evaluate(formula.outputs, inputs, np.float32, pictures)
+    np.testing.assert_array_equal(found["Cell"], expected["Cell"])
+    np.testing.assert_array_equal(found["Is Lit"], expected["Is Lit"])
+    assert expected["Is Lit"].min() < expected["Is Lit"].max()
+    wrong = np.abs(found["Radiance"] - expected["Radiance"]).max(-1) > 0.02  # drivers filter with 8 bits
+    assert wrong.mean() < 0.01, "but where a layer begins"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...core.expression import Call, Constant, Expr, Formula, Input, Op, Operation, Sample, Section
+from ...core.expression import Call, Constant, Expr, Formula, Input, Op, Operation, Sample, Section, Texel
 from .node_layout import NodeLayout
 
 _MATH = {
@@ -19,6 +19,8 @@ _MATH = {
     Op.MAXIMUM: "MAXIMUM",
     Op.ABSOLUTE: "ABSOLUTE",
     Op.SIGN: "SIGN",
+    Op.FLOOR: "FLOOR",
+    Op.CROSS: "CROSS_PRODUCT",
     Op.SQRT: "SQRT",
     Op.MULTIPLY_ADD: "MULTIPLY_ADD",
     Op.DOT: "DOT_PRODUCT",
@@ -42,7 +44,7 @@ class Surroundings:
         given: makes the output that feeds an input, for inputs that are no sockets of the group; called once each.
         images: the pictures by name.
         group_of: the node group of a formula that is called.
-        colors: outputs that are colours and not vectors.
+        colors: inputs and outputs that are colours and not vectors.
     """
 
     given: Mapping[str, Callable[[], bpy.types.NodeSocket]] = field(default_factory=dict)
@@ -61,10 +63,11 @@ def emit(tree: bpy.types.ShaderNodeTree, outputs: Mapping[str, Expr], surroundin
     tree.nodes.clear()
     inputs = Formula("", outputs).inputs
     kinds = {
-        name: "NodeSocketColor" if name in surroundings.colors else _SOCKETS[outputs[name].width] for name in outputs
+        name: "NodeSocketColor" if name in surroundings.colors else _SOCKETS[part.width]
+        for name, part in (inputs | dict(outputs)).items()
     }
-    declare_sockets(tree, "INPUT", {n: _SOCKETS[i.width] for n, i in inputs.items() if n not in surroundings.given})
-    declare_sockets(tree, "OUTPUT", kinds)
+    declare_sockets(tree, "INPUT", {name: kinds[name] for name in inputs if name not in surroundings.given})
+    declare_sockets(tree, "OUTPUT", {name: kinds[name] for name in outputs})
     emitter = _Emitter(tree, surroundings)
     sink = tree.nodes.new("NodeGroupOutput")
     depths = [emitter.connect(expr, sink.inputs[name]) for name, expr in outputs.items()]
@@ -76,7 +79,7 @@ def declare_sockets(tree: bpy.types.ShaderNodeTree, in_out: str, wanted: Mapping
     """Give a group's inputs or outputs these names and socket types; sockets that fit already are kept."""
     fitting = set()
     for item in [i for i in tree.interface.items_tree if i.in_out == in_out]:
-        if wanted.get(item.name) == item.bl_socket_idname and item.name not in fitting:
+        if wanted.get(item.name) == item.socket_type and item.name not in fitting:
             fitting.add(item.name)
         else:
             tree.interface.remove(item)
@@ -123,6 +126,8 @@ class _Emitter:
             return ("input", expr.name)
         if isinstance(expr, Sample):
             return ("sample", expr.picture, self._number(expr.direction))
+        if isinstance(expr, Texel):
+            return ("texel", expr.picture, self._number(expr.place), expr.width)
         if isinstance(expr, Call):
             return (*self._call_key(expr), expr.output)
         assert isinstance(expr, Operation)
@@ -146,6 +151,9 @@ class _Emitter:
             return self._input(expr), 0
         if isinstance(expr, Sample):
             return self._sample(expr)
+        if isinstance(expr, Texel):
+            node, depth = self._once(("flat", expr.picture, self._number(expr.place)), lambda: self._texel(expr))
+            return node.outputs["Color" if expr.width == 3 else "Alpha"], depth
         if isinstance(expr, Call):
             node, depth = self._once(self._call_key(expr), lambda: self._call(expr))
             return node.outputs[expr.output], depth
@@ -176,6 +184,12 @@ class _Emitter:
         depth = self.connect(expr.direction, node.inputs["Vector"])
         return node.outputs["Color"], self.layout.add(node, depth, self._section)
 
+    def _texel(self, expr: Texel) -> tuple[bpy.types.Node, int]:
+        node = self.tree.nodes.new("ShaderNodeTexImage")
+        node.image, node.extension = self._surroundings.images[expr.picture], "CLIP"
+        node.name = node.label = expr.picture
+        return node, self.layout.add(node, self.connect(expr.place, node.inputs["Vector"]), self._section)
+
     def _call(self, expr: Call) -> tuple[bpy.types.Node, int]:
         formula = expr.calls.formula
         node = self.tree.nodes.new("ShaderNodeGroup")
@@ -191,6 +205,11 @@ class _Emitter:
 
     def _operation(self, expr: Operation) -> tuple[bpy.types.NodeSocket, int]:
         targets = None
+        if expr.op is Op.RANDOM:
+            node = self.tree.nodes.new("ShaderNodeTexWhiteNoise")
+            node.noise_dimensions = "3D"
+            depth = self.connect(expr.args[0], node.inputs["Vector"])
+            return node.outputs["Color"], self.layout.add(node, depth, self._section)
         if expr.op is Op.COMBINE:
             node = self.tree.nodes.new("ShaderNodeCombineXYZ")
         elif all(part.width == 1 for part in (expr, *expr.args)):

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from .. import equirect
-from ..expression import Call, Calls, Constant, Expr, Input, Op, Operation, Sample, Section
+from .. import equirect, flat
+from ..expression import Call, Calls, Constant, Expr, Input, Op, Operation, Sample, Section, Texel
+from .hashing import random
 
 
 def _divide(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -37,12 +38,15 @@ _RULES: dict[Op, Callable[..., np.ndarray]] = {
     Op.MAXIMUM: np.maximum,
     Op.ABSOLUTE: np.abs,
     Op.SIGN: np.sign,
+    Op.FLOOR: np.floor,
     Op.SQRT: lambda a: np.sqrt(np.maximum(a, 0)),
     Op.MULTIPLY_ADD: lambda a, b, c: a * b + c,
     Op.DOT: lambda a, b: (a * b).sum(-1, keepdims=True),
     Op.LENGTH: _length,
     Op.NORMALIZE: _normalize,
     Op.REFLECT: _reflect,
+    Op.CROSS: np.cross,
+    Op.RANDOM: random,
     Op.COMBINE: lambda x, y, z: np.concatenate(np.broadcast_arrays(x, y, z), -1),
     Op.COMPONENT_X: lambda a: a[..., 0:1],
     Op.COMPONENT_Y: lambda a: a[..., 1:2],
@@ -63,7 +67,8 @@ def evaluate(
         inputs: an array by input name; vectors have shape (..., 3), scalars any shape (...) that broadcasts
             with the vectors' leading shape.
         dtype: np.float32 (as shaders compute) or np.float64; every step is rounded to it.
-        pictures: those that are sampled, by name: (h, 2h, 3) equirectangular, row 0 at the bottom, read bilinearly.
+        pictures: those that are read, by name, row 0 at the bottom, bilinearly: (h, 2h, 3) equirectangular ones for
+            `Sample`, (h, w, 4) with alpha for `Texel`.
 
     Returns:
         Arrays by output name: (..., 3) for vectors, (...) for scalars, in `dtype`.
@@ -108,6 +113,9 @@ class _Run:
         if isinstance(expr, Sample):
             direction = self.value(expr.direction)
             return equirect.lookup(self._pictures[expr.picture], direction).astype(self._dtype)
+        if isinstance(expr, Texel):
+            texel = flat.lookup(self._pictures[expr.picture], self.value(expr.place))
+            return (texel[..., :3] if expr.width == 3 else texel[..., 3:]).astype(self._dtype)
         if isinstance(expr, Call):
             return self._call(expr.calls).value(expr.calls.formula.outputs[expr.output])
         assert isinstance(expr, Operation)

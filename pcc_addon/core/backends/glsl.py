@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from ..expression import Call, Calls, Constant, Expr, Formula, Input, Op, Operation, Sample, Section
+from ..expression import Call, Calls, Constant, Expr, Formula, Input, Op, Operation, Sample, Section, Texel
 
 PRELUDE = """\
 float pp_divide(float a, float b) { return b == 0.0 ? 0.0 : a / b; }
@@ -22,8 +22,34 @@ vec3 pp_equirect(sampler2D picture, vec3 d) {
     float v = 0.5 + atan(d.z, length(d.xy)) / 3.141592653589793;
     return textureLod(picture, vec2(u, v), 0.0).rgb;
 }
+vec4 pp_flat(sampler2D picture, vec3 place) {
+    bool inside = all(greaterThanEqual(place.xy, vec2(0.0))) && all(lessThanEqual(place.xy, vec2(1.0)));
+    return inside ? textureLod(picture, place.xy, 0.0) : vec4(0.0);
+}
+uint pp_rotated(uint x, int k) { return (x << k) | (x >> (32 - k)); }
+uint pp_final(uint a, uint b, uint c) {
+    c = (c ^ b) - pp_rotated(b, 14); a = (a ^ c) - pp_rotated(c, 11); b = (b ^ a) - pp_rotated(a, 25);
+    c = (c ^ b) - pp_rotated(b, 16); a = (a ^ c) - pp_rotated(c, 4); b = (b ^ a) - pp_rotated(a, 14);
+    return (c ^ b) - pp_rotated(b, 24);
+}
+float pp_share(uint x) { return float(x) / 4294967295.0; }
+float pp_random(uvec3 k, float salt) {
+    uint a = 3735928588u + k.x, b = 3735928588u + k.y, c = 3735928588u + k.z;
+    a = (a - c) ^ pp_rotated(c, 4); c += b; b = (b - a) ^ pp_rotated(a, 6); a += c;
+    c = (c - b) ^ pp_rotated(b, 8); b += a; a = (a - c) ^ pp_rotated(c, 16); c += b;
+    b = (b - a) ^ pp_rotated(a, 19); a += c; c = (c - b) ^ pp_rotated(b, 4); b += a;
+    return pp_share(pp_final(a + floatBitsToUint(salt), b, c));
+}
+vec3 pp_random(vec3 key) {
+    uvec3 k = floatBitsToUint(key);
+    float first = pp_share(pp_final(3735928584u + k.x, 3735928584u + k.y, 3735928584u + k.z));
+    return vec3(first, pp_random(k, 1.0), pp_random(k, 2.0));
+}
 """
-"""What every printed function stands on; once a shader. Division by zero is zero, as in Blender's nodes."""
+"""What every printed function stands on; once a shader. Division by zero is zero, as in Blender's nodes.
+
+`pp_random` is that of `hashing.py`, whose unsigned sums wrap around as GLSL's do.
+"""
 
 _TYPES = {1: "float", 3: "vec3"}
 _PATTERNS = {
@@ -35,12 +61,15 @@ _PATTERNS = {
     Op.MAXIMUM: "max({}, {})",
     Op.ABSOLUTE: "abs({})",
     Op.SIGN: "sign({})",
+    Op.FLOOR: "floor({})",
     Op.SQRT: "sqrt(max({}, 0.0))",
     Op.MULTIPLY_ADD: "{} * {} + {}",
     Op.DOT: "dot({}, {})",
     Op.LENGTH: "length({})",
     Op.NORMALIZE: "pp_normalize({})",
     Op.REFLECT: "pp_reflect({}, {})",
+    Op.CROSS: "cross({}, {})",
+    Op.RANDOM: "pp_random({})",
     Op.COMBINE: "vec3({}, {}, {})",
     Op.COMPONENT_X: "{}.x",
     Op.COMPONENT_Y: "{}.y",
@@ -111,7 +140,10 @@ class _Printer:
     def _computed(self, expr: Expr) -> str:
         if isinstance(expr, Call):
             return self._call(expr.calls)[expr.output]
-        if isinstance(expr, Sample):
+        if isinstance(expr, Texel):
+            read = f"pp_flat({identifier(expr.picture)}, {self._value(expr.place)})"
+            right = f"{read}.rgb" if expr.width == 3 else f"{read}.a"
+        elif isinstance(expr, Sample):
             right = f"pp_equirect({identifier(expr.picture)}, {self._value(expr.direction)})"
         else:
             assert isinstance(expr, Operation)
