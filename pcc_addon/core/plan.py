@@ -203,7 +203,7 @@ def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) ->
         yield f"is a {words} shader (a Principled BSDF would show a probe)"
         return
     yield from (why for name, why in kind.refused.items() if surface.has(name) and surface.value(name) != 0.0)
-    if surface.distribution and surface.distribution not in MICROFACETS:
+    if roughness != 0.0 and surface.distribution and surface.distribution not in MICROFACETS:
         yield f"its microfacets are {surface.distribution.replace('_', ' ').title()} (GGX would show a probe)"
     if surface.fresnel not in ("", "F82"):
         yield "has a physical conductor's curve (F82 Tint would show a probe)"

@@ -104,6 +104,12 @@ def test_glossy_and_metallic_surfaces_are_served_and_leave_no_base() -> None:
     assert tinted.effects.effects == (TintedMetal(True),)
 
 
+def test_a_mirror_has_no_microfacets_whatever_their_distribution() -> None:
+    mirror = planned(other("ShaderNodeBsdfAnisotropic", "BECKMANN", Color=WHITE, Roughness=0.0))
+    assert mirror.effects.effects == (Glossy(),)
+    assert planned(other("ShaderNodeBsdfAnisotropic", "BECKMANN", Color=WHITE, Roughness=None)).effects is None
+
+
 @pytest.mark.parametrize(
     ("reading", "reason"),
     [
