@@ -25,8 +25,17 @@ def engine_id(engine: Engine) -> str:
 
 
 # In the order in which they must be set: each restricts the values of those behind it.
-_FORMAT = ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "color_management")
-_FLOAT_EXR = ("IMAGE", "OPEN_EXR", "RGB", "32", "ZIP", "FOLLOW_SCENE")
+# Files made before 5.0 ask for interleaved views, and the file of one such view cannot be read back as a picture.
+_FORMAT = (
+    "media_type",
+    "file_format",
+    "color_mode",
+    "color_depth",
+    "exr_codec",
+    "color_management",
+    "use_exr_interleave",
+)
+_FLOAT_EXR = ("IMAGE", "OPEN_EXR", "RGB", "32", "ZIP", "FOLLOW_SCENE", False)
 
 
 def set_float_exr(settings: bpy.types.ImageFormatSettings) -> Callable[[], None]:

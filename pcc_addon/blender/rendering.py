@@ -62,6 +62,8 @@ class Renderer:
         self._folder = stack.enter_context(temporary_folder(WORKPLACE))
         stack.enter_context(pictures.desk())
         stack.callback(compat.set_float_exr(scene.render.image_settings))
+        if view_layer is not None:
+            override(stack, view_layer, "use", True)  # where no layer is for rendering, Blender renders nothing
         results = _render_result()
         if results is not None and len(results.render_slots) > 1:  # keep the picture that the user is looking at
             override(stack, results.render_slots, "active_index", len(results.render_slots) - 1)

@@ -18,6 +18,8 @@ from .readings import CameraReading, MaterialReading, ProbeReading, SceneReading
 
 _THIN = 0.08  # thinness of a wall below which it is a pane
 SAMPLERS = 30  # pictures that EEVEE lets a material read, beside two of its own
+_REFLECTS_NOTHING = "it reflects nothing"
+_NO_SURFACE = "has no surface that a probe could light; left as it is"
 
 
 @dataclass(frozen=True)
@@ -82,12 +84,15 @@ class MaterialPlan:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A sentence on each thing that keeps its own reflection, and on what else a user should know."""
-        left = [s for s in self.surfaces if s.effects is None]
+        """A sentence on each thing that keeps its own reflection, and on what else a user should know.
+
+        Nobody misses a reflection on what has none, so that is only in the plan.
+        """
+        left = [s for s in self.surfaces if s.effects is None and s.reasons != (_REFLECTS_NOTHING,)]
         named = [
             f"material '{self.material}': surface '{s.name}' keeps its own lobe: {_listed(s.reasons)}" for s in left
         ]
-        whole = [f"material '{self.material}' {reason}" for reason in self.reasons]
+        whole = [f"material '{self.material}' {reason}" for reason in self.reasons if reason != _NO_SURFACE]
         return (*whole, *(named if self.probes or not whole else ()))
 
 
@@ -175,7 +180,7 @@ def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool, in
     effects = None if reasons or surface.kind not in KINDS else surface_effects(surface, interface)
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
     if effects is None:
-        return SurfacePlan(surface.path, None, (low, high), tuple(reasons or ["it reflects nothing"]), interface)
+        return SurfacePlan(surface.path, None, (low, high), tuple(reasons or [_REFLECTS_NOTHING]), interface)
     handed_over = limit if high > limit else None
     how = f"roughness {low:.3g}" if low == high else "roughness varies"
     beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
@@ -198,7 +203,7 @@ def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) ->
         yield f"is a {words} shader (a Principled BSDF would show a probe)"
         return
     yield from (why for name, why in kind.refused.items() if surface.has(name) and surface.value(name) != 0.0)
-    if surface.distribution and surface.distribution not in MICROFACETS:
+    if roughness != 0.0 and surface.distribution and surface.distribution not in MICROFACETS:
         yield f"its microfacets are {surface.distribution.replace('_', ' ').title()} (GGX would show a probe)"
     if surface.fresnel not in ("", "F82"):
         yield "has a physical conductor's curve (F82 Tint would show a probe)"
@@ -215,7 +220,7 @@ def _plan_material(
     if material.obstacles or not served:
         why = [f"{obstacle}; left as it is" for obstacle in material.obstacles]
         if not why and not surfaces:
-            why = ["has no surface that a probe could light; left as it is"]
+            why = [_NO_SURFACE]
         return MaterialPlan(material.name, (), (), surfaces, tuple(why), material.emits)
     each = sum(_pictures_read(surface) for surface in served)
     fitting = max(1, (SAMPLERS - material.textures) // max(each, 1))

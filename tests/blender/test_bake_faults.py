@@ -120,6 +120,14 @@ def test_a_render_result_of_another_name_is_found(scene) -> None:
     assert result.error is None
 
 
+def test_a_view_layer_that_is_not_for_rendering_is_baked_too(scene) -> None:
+    probe = small_room()
+    bpy.context.view_layer.use = False  # as the only one: Blender renders nothing then
+    [result] = bake(probe)
+    assert result.error is None and picture(probe).max() > 0.9
+    assert not bpy.context.view_layer.use
+
+
 def test_a_damaged_record_is_mended_by_baking_again(scene) -> None:
     probe = small_room()
     bake(probe)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import subprocess
 import sys
@@ -16,10 +17,22 @@ from pcc_addon.blender.read.probes import bake_record
 from pcc_addon.blender.status import statuses
 from pcc_addon.blender.store import pictures
 from pcc_addon.blender.store.levels import bake_folder
+from pcc_addon.core import equirect
 from pcc_addon.core.errors import BakeError
 from pcc_addon.core.pictures import LADDER
 from sample_blends.scenes import empty_scene
-from tests.blender.helpers import ROOM, bake, contents, picture, pictures_of, put_in, save, small_probe, small_room
+from tests.blender.helpers import (
+    ROOM,
+    bake,
+    contents,
+    paint_wall,
+    picture,
+    pictures_of,
+    put_in,
+    save,
+    small_probe,
+    small_room,
+)
 
 
 def test_a_bake_of_an_unsaved_file_is_packed_into_it(scene, tmp_path: Path) -> None:
@@ -40,6 +53,23 @@ def test_baking_a_packed_probe_again_leaves_one_picture_of_the_same_name(scene) 
     names = sorted(image.name for image in bpy.data.images)
     bake(probe)
     assert sorted(image.name for image in bpy.data.images) == names
+
+
+@pytest.mark.parametrize("saved", [False, True])
+def test_files_that_pack_their_resources_by_themselves_are_baked_too(scene, tmp_path: Path, saved) -> None:
+    probe = small_room()
+    bpy.data.use_autopack = True  # File > External Data > Automatically Pack Resources
+    if saved:
+        save(tmp_path / "room.blend")
+    for _ in range(2):
+        paint_wall()
+        [result] = bake(probe)
+        assert result.error is None
+        seen = [picture(probe, roughness) for roughness in LADDER]
+        assert all(not np.array_equal(a, b) for a, b in itertools.pairwise(seen))
+        assert np.abs(equirect.lookup(seen[0], np.array((-1.0, 0.0, 0.0)))).max() == pytest.approx(1.0, abs=0.02)
+    [status] = statuses(scene, bpy.context.view_layer)
+    assert status.state == "baked"
 
 
 def test_a_bake_of_a_saved_file_lies_beside_it(scene, tmp_path: Path) -> None:

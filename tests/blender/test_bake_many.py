@@ -42,6 +42,16 @@ def cube() -> bpy.types.Object:
 
 
 @together
+def test_faces_are_rendered_together_in_files_of_earlier_blenders(scene, monkeypatch, render_calls) -> None:
+    probe = cube()
+    settings = scene.render.image_settings
+    settings.use_exr_interleave = True  # as Blender sets it in files from before 5.0
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", TOGETHER)
+    [result] = bake(probe)
+    assert result.error is None and len(render_calls) == 1 and settings.use_exr_interleave
+
+
+@together
 @pytest.mark.parametrize(("samples", "denoise", "apart", "at_once"), [(1, False, 6, 1), (4, True, 12, 2)])
 def test_faces_rendered_together_are_those_rendered_one_by_one(
     scene, monkeypatch, render_calls, samples, denoise, apart, at_once

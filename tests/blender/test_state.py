@@ -74,6 +74,8 @@ def make_unusual(scene: bpy.types.Scene) -> None:
     render.use_stamp_note, render.stamp_note_text = True, "stamped"
     render.image_settings.file_format = "JPEG"
     render.image_settings.quality = 33
+    if hasattr(render.image_settings, "use_exr_interleave"):
+        render.image_settings.use_exr_interleave = True
     render.use_persistent_data = False
     render.dither_intensity = 2.0
     scene.view_settings.exposure, scene.view_settings.gamma = 3.0, 2.0

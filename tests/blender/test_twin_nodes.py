@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 
 import bpy
@@ -258,6 +259,27 @@ def test_glass_looks_along_two_rays_and_captures_see_it_whole(probe) -> None:
     assert ways == {"Radiance": "Mirror", "Transmitted Radiance": "Refracted"}, "what wears it is a plane"
     [base] = ours(material, "ShaderNodeBsdfPrincipled")
     assert base.inputs["Transmission Weight"].default_value == 0.0
+
+
+def choose_as_a_later_blender(node: bpy.types.Node, name: str) -> None:
+    """Give a choice of a node a number that this Blender does not know, as in a file of a later one."""
+    memory = (ctypes.c_ubyte * 256).from_address(node.as_pointer())  # of the node's own struct, which is larger
+    seen = []
+    for item in list(node.bl_rna.properties[name].enum_items)[:2]:
+        setattr(node, name, item.identifier)
+        seen.append(bytes(memory))
+    [place] = [k for k, (a, b) in enumerate(zip(*seen, strict=True)) if a != b]
+    memory[place] = 99
+
+
+def test_a_choice_of_a_later_blender_is_left_to_this_one(probe) -> None:
+    material = shiny()
+    node = principled_node(material)
+    choose_as_a_later_blender(node, "subsurface_method")
+    assert node.subsurface_method == ""
+    show(material)
+    assert put_in().materials == ((material.name, probe.name),)
+    assert node.subsurface_method == ""
 
 
 @pytest.mark.parametrize("build", [shiny, glossy])

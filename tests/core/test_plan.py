@@ -104,6 +104,12 @@ def test_glossy_and_metallic_surfaces_are_served_and_leave_no_base() -> None:
     assert tinted.effects.effects == (TintedMetal(True),)
 
 
+def test_a_mirror_has_no_microfacets_whatever_their_distribution() -> None:
+    mirror = planned(other("ShaderNodeBsdfAnisotropic", "BECKMANN", Color=WHITE, Roughness=0.0))
+    assert mirror.effects.effects == (Glossy(),)
+    assert planned(other("ShaderNodeBsdfAnisotropic", "BECKMANN", Color=WHITE, Roughness=None)).effects is None
+
+
 @pytest.mark.parametrize(
     ("reading", "reason"),
     [
@@ -119,6 +125,7 @@ def test_glossy_and_metallic_surfaces_are_served_and_leave_no_base() -> None:
         (other("ShaderNodeBsdfAnisotropic", Color=(0.0, 0.0, 0.0, 1.0)), "it reflects nothing"),
         (other("ShaderNodeBsdfDiffuse"), "it reflects nothing"),
         (SurfaceReading(("Other",), "ShaderNodeBsdfTransparent", ()), "it reflects nothing"),
+        (SurfaceReading(("Other",), "ShaderNodeBsdfRayPortal", ()), "it reflects nothing"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.kind,
 )
@@ -294,9 +301,12 @@ def test_obstacles_keep_a_material_as_it_is_and_are_all_named_once() -> None:
     assert plan_of(material("Wood", obstacles=("is linked",))).probes == ()
 
 
-def test_a_material_without_surfaces_is_named() -> None:
-    plan = plan_of(MaterialReading("Light"))
-    assert plan.notes == ("material 'Light' has no surface that a probe could light; left as it is",)
+def test_what_reflects_nothing_is_in_the_plan_and_nobody_is_told() -> None:
+    light = plan_of(MaterialReading("Light"))
+    assert light.reasons == ("has no surface that a probe could light; left as it is",) and light.notes == ()
+    matt = plan_of(material("Matt", surface("Matt", Specular_IOR_Level=0.0), surface("Odd", Anisotropic=1.0)))
+    assert matt.surfaces[0].reasons == ("it reflects nothing",)
+    assert matt.notes == (f"material 'Matt': surface 'Odd' keeps its own lobe: {ANISOTROPIC}",)
 
 
 def many(count: int) -> tuple[tuple[ProbeReading, ...], tuple]:

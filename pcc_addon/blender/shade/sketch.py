@@ -89,8 +89,10 @@ class Sketch:
         copy.name = f"PCC {node.name}"
         common = {p.identifier for p in bpy.types.Node.bl_rna.properties}
         for prop in node.bl_rna.properties:
-            if prop.identifier not in common and not prop.is_readonly:
-                setattr(copy, prop.identifier, getattr(node, prop.identifier))
+            value = getattr(node, prop.identifier)
+            chosen = prop.type != "ENUM" or value != ""  # "": a choice that only later Blenders know
+            if prop.identifier not in common and not prop.is_readonly and chosen:
+                setattr(copy, prop.identifier, value)
         return copy
 
     def geometry(self, output: str, beside: bpy.types.Node) -> bpy.types.NodeSocket:

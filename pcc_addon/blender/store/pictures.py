@@ -28,6 +28,8 @@ class _Desk:
         if self._reader is None:
             self._reader = temporary(self._stack, bpy.data.images, bpy.data.images.load(str(path)))
             self._reader.colorspace_settings.name = "Non-Color"
+        elif self._reader.packed_file:  # by "Automatically Pack Resources"; it would go on showing that file
+            self._reader.unpack(method="REMOVE")
         self._reader.filepath_raw = str(path)  # which tells nobody: the other way each node of the file is asked
         self._reader.buffers_free()
         return self._reader

@@ -62,6 +62,7 @@ WITHOUT_GLOSS = {
     "ShaderNodeBsdfTransparent",
     "ShaderNodeBsdfSheen",
     "ShaderNodeBsdfToon",
+    "ShaderNodeBsdfRayPortal",
 }
 
 
