@@ -30,9 +30,7 @@ def unregister() -> None:
     handlers.unregister()
     bpy.types.VIEW3D_MT_lightprobe_add.remove(interior.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.remove(panels.draw_add_menu)
-    for cls in reversed(
-        (*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *panels.CLASSES)
-    ):
+    for cls in reversed((*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *panels.CLASSES)):
         bpy.utils.unregister_class(cls)
     properties.unregister()
 
