@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Container
 
 import bpy
 
@@ -22,11 +23,16 @@ def _beside(sign: float) -> Room:
 LOUNGE, STUDY = _beside(-1.0), _beside(1.0)
 
 
-def two_rooms(roughness: float | None = None) -> bpy.types.Scene:
+WHOLE = Room((2.0 * _HALF[0] + 0.5 * _WALL, _HALF[1], _HALF[2]), _CENTRE, TURN)  # both rooms and the wall between
+DOORWAY_Y, DOORWAY_HALF_WIDTH, DOORWAY_HEIGHT = -1.4, 0.5, 2.1  # metres, in a room's own axes
+
+
+def two_rooms(roughness: float | None = None, *, doorway: bool = False) -> bpy.types.Scene:
     """The scene with a camera in the lounge and a probe in each room, called "Lounge" and "Study".
 
     Args:
         roughness: of the shared floor; None: tiles of 0.04 … 0.16 with rough joints.
+        doorway: whether there is an opening between the rooms, and one floor that runs through it.
     """
     scene = empty_scene()
     floor = _floor(roughness)
@@ -34,12 +40,16 @@ def two_rooms(roughness: float | None = None) -> bpy.types.Scene:
         ("Lounge", LOUNGE, (0.78, 0.74, 0.68), (0.62, 0.12, 0.06), (0.10, 0.30, 0.28)),
         ("Study", STUDY, (0.70, 0.74, 0.78), (0.06, 0.16, 0.55), (0.55, 0.36, 0.10)),
     ):
-        _walls(name, room, floor, wall, accent)
+        between = {"Lounge": "+X", "Study": "-X"}[name]
+        _walls(name, room, floor, wall, accent, {between, "-Z"} if doorway else set())
         _furniture(name, room, seat)
         _lamps(name, room)
         bpy.ops.pcc.probe_add(
             name=name, location=room.centre, rotation=(0.0, 0.0, room.turn), half_extents=room.half_extents
         )
+    if doorway:
+        _doorway(bpy.data.materials["Lounge Wall"])
+        add_wall(WHOLE, "-Z", floor).name = "Floor"
     add_camera(LOUNGE.world(-2.2, -2.2, 0.3), LOUNGE.world(1.0, 1.2, -0.9), 20.0, 480, 270)
     scene.cycles.samples = 64
     return scene
@@ -62,10 +72,22 @@ def _floor(roughness: float | None) -> bpy.types.Material:
     return floor
 
 
-def _walls(name: str, room: Room, floor: bpy.types.Material, wall: tuple, accent: tuple) -> None:
+def _walls(
+    name: str, room: Room, floor: bpy.types.Material, wall: tuple, accent: tuple, without: Container[str]
+) -> None:
     plain, strong = _matt(f"{name} Wall", wall), _matt(f"{name} Accent", accent)
     for side, material in (("-X", plain), ("+X", plain), ("-Y", plain), ("+Y", strong), ("+Z", plain), ("-Z", floor)):
-        add_wall(room, side, material).name = f"{name} {side}"
+        if side not in without:
+            add_wall(room, side, material).name = f"{name} {side}"
+
+
+def _doorway(material: bpy.types.Material) -> None:
+    """The wall between the rooms, of two pieces and a lintel."""
+    _, wide, high = _HALF
+    left, right, top = DOORWAY_Y - DOORWAY_HALF_WIDTH, DOORWAY_Y + DOORWAY_HALF_WIDTH, DOORWAY_HEIGHT - high
+    for y_low, y_high, z_low in ((-wide, left, -high), (right, wide, -high), (left, right, top)):
+        centre = (0.0, 0.5 * (y_low + y_high), 0.5 * (z_low + high))
+        add_box(WHOLE, "Wall Between", centre, (0.5 * _WALL, 0.5 * (y_high - y_low), 0.5 * (high - z_low)), material)
 
 
 def _furniture(name: str, room: Room, seat: tuple) -> None:

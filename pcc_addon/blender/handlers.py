@@ -45,8 +45,8 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
     trees = {item for item in changed if isinstance(item, bpy.types.ShaderNodeTree) and not marks.role(item)}
     if any(not tree.is_embedded_data for tree in trees):
         materials.update(bpy.data.materials)
-    for material in sorted(materials, key=lambda m: m.name_full):
-        live.bring_up_to_date(material, scene.pcc.roughness_limit)
+    if materials:
+        live.follow(sorted(materials, key=lambda m: m.name_full), scene.pcc.roughness_limit)
 
 
 @bpy.app.handlers.persistent
@@ -96,8 +96,7 @@ def on_shader_setting(probe: bpy.types.Object) -> None:
 
 def bring_all_up_to_date(scene: bpy.types.Scene) -> None:
     """Every material that shows probes."""
-    for material in bpy.data.materials:
-        live.bring_up_to_date(material, scene.pcc.roughness_limit)
+    live.follow(list(bpy.data.materials), scene.pcc.roughness_limit)
     groups.drop_unused_groups()
 
 

@@ -18,6 +18,7 @@ Item = bpy.types.ID | bpy.types.Node
 
 VERSION = "version"  # note on a group: which version of the code built it
 _MARK, _TOKEN = "parallax_probes", "parallax-probes: "
+_COPY, _ORIGINAL = "material for some objects", "original"  # role of a copied material, and note of what it stands for
 _BEFORE = "before"  # note on a material: what injection changed
 _OLD_MARK, _OLD_OUTPUT, _OLD_PREFIX = "pcc", "pcc_twin_of", "PCC "
 _OLD_NODE_ROLES = {"twin", "probe", "glow"}
@@ -54,6 +55,28 @@ def noted(item: Item, key: str, default: Any = None) -> Any:
 def forget(item: Item, key: str) -> None:
     """Remove a note."""
     item.pop(f"{_MARK}_{key}", None)
+
+
+def note_original(copy: bpy.types.Material, original: bpy.types.Material) -> None:
+    """Mark a material as a copy of ours that stands for another; as long as it does, that one stays in the file."""
+    tag(copy, _COPY)
+    note(copy, _ORIGINAL, original)
+
+
+def original(material: bpy.types.Material) -> bpy.types.Material:
+    """The user's material that a copy of ours stands for; any other material is its own."""
+    found = material.get(f"{_MARK}_{_ORIGINAL}") if role(material) == _COPY else None
+    return found if isinstance(found, bpy.types.Material) else material
+
+
+def is_copy(material: bpy.types.Material) -> bool:
+    return original(material) != material
+
+
+def forget_original(copy: bpy.types.Material) -> None:
+    """Leave a copy to the user as a material of his own."""
+    forget(copy, _ORIGINAL)
+    copy.pop(_MARK, None)
 
 
 @dataclass(frozen=True)

@@ -107,6 +107,83 @@ class PCC_Probe(bpy.types.PropertyGroup):
         unit="LENGTH",
         update=_refresh_shader,
     )
+    influence_low: bpy.props.FloatVectorProperty(
+        name="Influence Low",
+        description="How far the influence reaches beyond the box's faces at its own −X, −Y and −Z; negative: stays "
+        "short of them",
+        size=3,
+        subtype="XYZ",
+        unit="LENGTH",
+        update=_refresh_shader,
+    )
+    influence_high: bpy.props.FloatVectorProperty(
+        name="Influence High",
+        description="How far the influence reaches beyond the box's faces at its own +X, +Y and +Z; negative: stays "
+        "short of them",
+        size=3,
+        subtype="XYZ",
+        unit="LENGTH",
+        update=_refresh_shader,
+    )
+    falloff_per_face: bpy.props.BoolProperty(
+        name="Falloff per Face",
+        description="Let the reflection fade over another distance beyond each face",
+        update=_refresh_shader,
+    )
+    falloff_low: bpy.props.FloatVectorProperty(
+        name="Falloff Low",
+        description="Over which distance the reflection fades beyond the faces at the box's own −X, −Y and −Z",
+        size=3,
+        subtype="XYZ",
+        unit="LENGTH",
+        default=(0.25, 0.25, 0.25),
+        min=0.0,
+        update=_refresh_shader,
+    )
+    falloff_high: bpy.props.FloatVectorProperty(
+        name="Falloff High",
+        description="Over which distance the reflection fades beyond the faces at the box's own +X, +Y and +Z",
+        size=3,
+        subtype="XYZ",
+        unit="LENGTH",
+        default=(0.25, 0.25, 0.25),
+        min=0.0,
+        update=_refresh_shader,
+    )
+    normal_fade: bpy.props.FloatProperty(
+        name="Normal Fade",
+        description="How deep below the border of the influence surfaces that face away from the capture point fade "
+        "to their own reflection; 0: none do",
+        min=0.0,
+        soft_max=10.0,
+        unit="LENGTH",
+        update=_refresh_shader,
+    )
+    weight: bpy.props.FloatProperty(
+        name="Weight",
+        description="How much of the reflection is the probe's where nothing fades; the rest is the surface's own",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_refresh_shader,
+    )
+    priority: bpy.props.IntProperty(
+        name="Priority",
+        description="Where boxes overlap the probe with the higher priority is shown; of equal ones the smaller box, "
+        "then the nearer. Counts from the next injection",
+    )
+    receivers: bpy.props.PointerProperty(
+        type=bpy.types.Collection,
+        name="Receivers",
+        description="Only its objects show the probe; empty: all objects in its influence do. Counts from the next "
+        "injection",
+    )
+    excluded: bpy.props.PointerProperty(
+        type=bpy.types.Collection,
+        name="Excluded",
+        description="Its objects do not show the probe. Counts from the next injection",
+    )
     outside: bpy.props.EnumProperty(
         name="Outside",
         description="What a surface outside the box shows",

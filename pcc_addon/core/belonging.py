@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from .effects.choice import handover
 from .probe import ProbeSpec
 from .readings import PlacementReading
 
@@ -14,6 +15,7 @@ _STEPS = np.linspace(0.0, 1.0, 5)  # points along each edge of an object's bound
 _EDGES = np.stack([1.0 - _STEPS, _STEPS], -1)
 _WITHIN = np.einsum("ia,jb,kc->ijkabc", _EDGES, _EDGES, _EDGES).reshape(-1, 8)  # points within, from the 8 corners
 _SHARE = 0.05  # of an object's bounds, from which on it counts for a probe beside the one that it is mostly in
+_FILLED = 0.5  # of a box along the axes that an object has, from which on one that runs through many rooms counts
 
 
 @dataclass(frozen=True)
@@ -24,11 +26,17 @@ class Belongings:
         owners: by material, by probe, by object: how much of it the probe has, about 0 … 1.
         leaving: by probe: the materials of objects that belong to it and reach beyond its box and padding.
         touching: by probe: the materials of objects that belong to it and reach to its box or beyond.
+        needs: by material, by object: the probes that its points may show, those that it hardly reaches included.
+        refused: by material, by object: the probes whose influence it reaches and that it is not to show.
+        fixed: by material: its objects that cannot wear a copy of it.
     """
 
     owners: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
     leaving: dict[str, set[str]] = field(default_factory=dict)
     touching: dict[str, set[str]] = field(default_factory=dict)
+    needs: dict[str, dict[str, set[str]]] = field(default_factory=dict)
+    refused: dict[str, dict[str, set[str]]] = field(default_factory=dict)
+    fixed: dict[str, set[str]] = field(default_factory=dict)
 
 
 def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReading]) -> Belongings:
@@ -45,15 +53,22 @@ def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReadin
         low, high = placement.corners.min(0), placement.corners.max(0)
         near = ((lows <= high) & (highs >= low)).all(1).nonzero()[0].tolist()
         reached = [probes[k] for k in near if probes[k].overlaps(placement.corners)]
+        accepted = [probe for probe in reached if probe.influence.accepts(placement.object)]
+        _note_refused(found, placement, [probe.name for probe in reached if probe not in accepted])
+        reached = accepted
         shares = {probe.name: _share(probe, placement.corners) for probe in reached}
         if not shares:
             continue
         best = min(shares, key=lambda name: (-round(shares[name][0], 6), round(shares[name][1], 6), name))
+        needed = _needed(next(probe for probe in reached if probe.name == best), reached, placement.corners)
         for probe in reached:
             share, distance = shares[probe.name]
-            if probe.name != best and share < _SHARE:
+            if probe.name != best and share < _SHARE and _fills(probe, placement.corners) < _FILLED:
                 continue
             for material in placement.materials:
+                found.needs.setdefault(material, {}).setdefault(placement.object, set()).update(needed)
+                if placement.fixed:
+                    found.fixed.setdefault(material, set()).add(placement.object)
                 tally = found.owners.setdefault(material, {}).setdefault(probe.name, {})
                 tally[placement.object] = tally.get(placement.object, 0.0) + share + 1e-3 / (1.0 + distance)
             if not probe.contains(placement.corners):
@@ -63,10 +78,53 @@ def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReadin
     return found
 
 
+def _note_refused(found: Belongings, placement: PlacementReading, probes: Sequence[str]) -> None:
+    for material in placement.materials if probes else ():
+        found.refused.setdefault(material, {}).setdefault(placement.object, set()).update(probes)
+        found.needs.setdefault(material, {}).setdefault(placement.object, set())
+
+
+def _needed(best: ProbeSpec, reached: Sequence[ProbeSpec], corners: np.ndarray) -> list[str]:
+    """The probes that points of an object may show: its own where it is inside and the others' boxes are apart."""
+    others = [probe for probe in reached if probe is not best]
+    apart = all(are_apart(best, o) and not o.nears(corners, handover(best.influence_falloff)) for o in others)
+    return [best.name] if apart and best.contains(corners) else [probe.name for probe in reached]
+
+
+def are_apart(a: ProbeSpec, b: ProbeSpec) -> bool:
+    """Whether the influence boxes of two probes have next to nothing in common, as those of two rooms.
+
+    Tests separation along their face normals only; probes that move are never known to be apart.
+    """
+    if a.animated or b.animated:
+        return False
+    common = min(handover(a.influence_falloff), handover(b.influence_falloff))
+    return not (a.nears(b.influence_corners, -common) and b.nears(a.influence_corners, -common))
+
+
+def beside(ordered: Sequence[ProbeSpec]) -> tuple[tuple[int, ...], ...]:
+    """For each probe of a material those before it, by their index, whose boxes are apart from its own."""
+    return tuple(tuple(j for j in range(k) if are_apart(ordered[j], one)) for k, one in enumerate(ordered))
+
+
+def layered(probes: Sequence[str], specs: Mapping[str, ProbeSpec]) -> list[str]:
+    """Probes in the order in which they are shown, each over those before it where boxes overlap.
+
+    The least priority comes first, of the same the largest box, of the same the one that was named last.
+    """
+    rank = {name: k for k, name in enumerate(probes)}
+    return sorted(probes, key=lambda n: (specs[n].influence.priority, -_volume(specs[n]), -rank[n]))
+
+
+def _volume(probe: ProbeSpec) -> float:
+    """Of the box, in half widths; the same for boxes that differ by rounding."""
+    return float(f"{np.prod(probe.box.half_widths):.5g}")
+
+
 def _bounds(probes: Sequence[ProbeSpec]) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) lowest and highest corners of the axis-aligned bounds of the probes' influences."""
     centres = np.array([probe.box.centre for probe in probes])
-    margins = np.array([probe.influence_padding + probe.falloff for probe in probes])
+    margins = np.array([probe.fading_reach.max() for probe in probes])
     # A box grown by a margin on each side reaches as far as its half edges, each longer by its share of the margin.
     grown = [
         probe.box.axes * (1.0 + margin / probe.box.half_widths) for probe, margin in zip(probes, margins, strict=True)
@@ -75,8 +133,18 @@ def _bounds(probes: Sequence[ProbeSpec]) -> tuple[np.ndarray, np.ndarray]:
     return centres - reach, centres + reach
 
 
+def _fills(probe: ProbeSpec, corners: np.ndarray) -> float:
+    """How much of a box the bounds of an object fill along each axis, or the box of these; the product, 0 … 1."""
+    coordinates = probe.box.coordinates(corners)
+    half = probe.box.half_widths + probe.influence_padding
+    low, high = coordinates.min(0), coordinates.max(0)
+    common = np.minimum(high, half) - np.maximum(low, -half)
+    least = np.maximum(np.minimum(high - low, 2.0 * half), 1e-9)
+    return float(np.clip((common + 1e-9) / least, 0.0, 1.0).prod())
+
+
 def _share(probe: ProbeSpec, corners: np.ndarray) -> tuple[float, float]:
-    """The share of an object's bounds inside the box, 0 … 1, and how far it is from the centre, in half widths."""
-    distances = np.abs(probe.box.coordinates(_WITHIN @ corners))
-    inside = (distances <= probe.box.half_widths + probe.influence_padding).all(-1).mean()
-    return float(inside), float((distances / probe.box.half_widths).max(-1).mean())
+    """The share of an object's bounds in the influence, 0 … 1, and how far they are from the centre, in half widths."""
+    points = _WITHIN @ corners
+    distances = np.abs(probe.box.coordinates(points)) / probe.box.half_widths
+    return float(probe.within_influence(points).mean()), float(distances.max(-1).mean())

@@ -12,6 +12,7 @@ from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of
 from .effects.records import LookupEffects
 from .effects.surface import SurfaceEffects, surface_effects
 from .effects.transmission import Interface
+from .parts import Division, divide
 from .pictures import LADDER, PictureKey, PictureKind
 from .probe import ProbeSpec, Receivers
 from .readings import CameraReading, MaterialReading, ProbeReading, SceneReading, SurfaceReading
@@ -63,7 +64,7 @@ class MaterialPlan:
 
     Attributes:
         material: its name.
-        probes: those that it shows, the one with most of its objects first; empty: it is left as it is.
+        division: the probes that it shows, itself and as copies that some of its objects wear.
         objects: (object, probe): which of them each of its objects shows; an object in several rooms has several.
         surfaces: one for each of its surfaces.
         reasons: why these probes, or why none, in words.
@@ -71,11 +72,16 @@ class MaterialPlan:
     """
 
     material: str
-    probes: tuple[str, ...]
+    division: Division
     objects: tuple[tuple[str, str], ...]
     surfaces: tuple[SurfacePlan, ...]
     reasons: tuple[str, ...]
     emits: bool = False
+
+    @property
+    def probes(self) -> tuple[str, ...]:
+        """Those that it shows, the one with most of its objects first; empty: it is left as it is."""
+        return self.division.probes
 
     @property
     def served(self) -> dict[tuple[str, ...], SurfacePlan]:
@@ -145,7 +151,7 @@ def make_plan(scene: SceneReading) -> Plan:
         owners = found.owners.get(material.name, {})
         if owners:
             surfaces = plan_surfaces(material, scene.roughness_limit, shapes.get(material.name, Interface.SOLID))
-            materials.append(_plan_material(material, owners, surfaces))
+            materials.append(_plan_material(material, owners, found, surfaces))
     read = {probe.name: probe for probe in scene.probes}
     probes = [_plan_probe(spec, materials, found, scene.cameras, read[spec.name]) for spec in specs]
     return Plan(tuple(probes), tuple(materials), tuple(notes))
@@ -212,7 +218,10 @@ def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) ->
 
 
 def _plan_material(
-    material: MaterialReading, owners: dict[str, dict[str, float]], surfaces: tuple[SurfacePlan, ...]
+    material: MaterialReading,
+    owners: dict[str, dict[str, float]],
+    found: Belongings,
+    surfaces: tuple[SurfacePlan, ...],
 ) -> MaterialPlan:
     """The plan of a material whose objects belong to probes so much: by probe, then by object."""
     ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name))
@@ -221,16 +230,19 @@ def _plan_material(
         why = [f"{obstacle}; left as it is" for obstacle in material.obstacles]
         if not why and not surfaces:
             why = [_NO_SURFACE]
-        return MaterialPlan(material.name, (), (), surfaces, tuple(why), material.emits)
+        return MaterialPlan(material.name, Division(()), (), surfaces, tuple(why), material.emits)
     each = sum(_pictures_read(surface) for surface in served)
     fitting = max(1, (SAMPLERS - material.textures) // max(each, 1))
-    probes = tuple(ranked[:fitting])
-    objects = sorted((item, probe) for probe in probes for item in owners[probe])
+    needs, refused = (by.get(material.name, {}) for by in (found.needs, found.refused))
+    division = divide(ranked, needs, refused, found.fixed.get(material.name, ()), fitting)
+    objects = sorted((item, probe) for probe in division.probes for item in owners.get(probe, ()))
     reasons = []
-    if len(ranked) > fitting:
-        dropped = _named(ranked[fitting:])
+    if division.parts:
+        reasons.append(f"is shown as {len(division.parts)} copies, whose objects show different probes")
+    if division.dropped:
+        dropped = _named(division.dropped)
         reasons.append(f"shows {fitting} probes and not {dropped}: EEVEE reads no more pictures in one material")
-    return MaterialPlan(material.name, probes, tuple(objects), surfaces, tuple(reasons), material.emits)
+    return MaterialPlan(material.name, division, tuple(objects), surfaces, tuple(reasons), material.emits)
 
 
 def _pictures_read(surface: SurfacePlan) -> int:
@@ -248,7 +260,7 @@ def _plan_probe(
     reading: ProbeReading,
 ) -> ProbePlan:
     showing = [material.material for material in materials if spec.name in material.probes]
-    shared = [m.material for m in materials if spec.name in m.probes and len(m.probes) > 1]
+    shared = [m.material for m in materials if m.division.blends(spec.name)]
     outside = [name for name in showing if name in found.leaving.get(spec.name, ())]
     touching = [name for name in showing if name in found.touching.get(spec.name, ())]
     watched = bool(touching) and not _all_within(spec, cameras)
@@ -266,6 +278,9 @@ def _plan_probe(
         )
     if lookup.stretched:
         reasons.append("its picture was not captured in its box, so it is stretched to it and turns with it")
+    refusing = sorted({item for by in found.refused.values() for item, names in by.items() if spec.name in names})
+    if refusing:
+        reasons.append(f"{_named(refusing)} in its influence are not to show it")
     if shared:
         reasons.append(f"shares {_named(shared)} with other probes, by place")
     reasons.append("all levels, so that a changed roughness needs no new bake")
@@ -276,7 +291,7 @@ def _plan_probe(
 def _all_within(probe: ProbeSpec, cameras: Sequence[CameraReading]) -> bool:
     """Whether all cameras are known to stay in a probe's box; False where there is none."""
     places = [camera.place for camera in cameras if camera.place is not None]
-    return len(places) == len(cameras) > 0 and probe.contains(np.array(places))
+    return len(places) == len(cameras) > 0 and probe.encloses(np.array(places))
 
 
 def _listed(words: Sequence[str]) -> str:

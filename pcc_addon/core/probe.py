@@ -11,6 +11,7 @@ import numpy as np
 
 from .effects.records import Correction, LookupEffects, Outside
 from .errors import ProbeError
+from .influence import Influence
 
 MINIMUM_RESOLUTION, MAXIMUM_RESOLUTION = 16, 4096
 MOST_SAMPLES = 2**24  # what Cycles takes
@@ -121,6 +122,13 @@ class Box:
             return Correction.ORIENTED_BOX
         return self.correction if along_x else Correction.TURNED_BOX
 
+    def along_own_axes(self, correction: Correction) -> np.ndarray:
+        """(3,) of −1 and 1: whether what `lookup.along_face_normals` gives grows along the own axes or against."""
+        if correction is Correction.ORIENTED_BOX:
+            return np.ones(3)
+        mirror = self.turn_mirror if correction is Correction.TURNED_BOX else np.zeros(3)
+        return np.sign(np.diag(self.axes - 2.0 * np.outer(mirror, mirror @ self.axes)))
+
     def coordinates(self, points: np.ndarray) -> np.ndarray:
         """World-space points (n, 3) as metres from the centre along the face normals, (n, 3)."""
         return (points - self.centre) @ self.face_normals.T
@@ -160,6 +168,7 @@ class ProbeSpec:
         animated: whether animation, constraints or parents may move it while nobody looks.
         source: where its pictures come from.
         picture: the file of an image, or one of its six; empty where none is chosen.
+        influence: where, how much and by whom it is shown.
     """
 
     name: str
@@ -179,6 +188,7 @@ class ProbeSpec:
     animated: bool = False
     source: Source = Source.BAKE
     picture: str = ""
+    influence: Influence = field(default=Influence())
 
     def __post_init__(self) -> None:
         if not MINIMUM_RESOLUTION <= self.resolution <= MAXIMUM_RESOLUTION:
@@ -198,6 +208,7 @@ class ProbeSpec:
         for name, length in (("padding", self.padding), ("falloff", self.falloff)):
             if not 0.0 <= length < _INFINITE:
                 raise ProbeError(f"probe '{self.name}': {name} {length:g} m must be finite and not below 0")
+        self.influence.check(self.name, self.box.half_widths)
 
     @property
     def capture_point(self) -> np.ndarray:
@@ -221,15 +232,20 @@ class ProbeSpec:
         correction = self.box.own_axes_correction if stretched else self.box.correction
         if self.animated:
             correction = Correction.ORIENTED_BOX
+        own = {
+            "per_face": self.has_different_faces,
+            "by_normal": self.influence.normal_fade > 0.0,
+            "weighted": self.influence.weight < 1.0,
+        }
         if not self.corrected:
             turned = stretched and correction is not Correction.ALIGNED_BOX
-            return LookupEffects(Correction.NONE, None, False, stretched=turned)
+            return LookupEffects(Correction.NONE, None, False, stretched=turned, **own)
         if self.animated:
-            return LookupEffects(correction, self.outside, offset=not stretched, facing=True, stretched=stretched)
+            return LookupEffects(correction, self.outside, not stretched, facing=True, stretched=stretched, **own)
         offset = not stretched and tuple(captured_at) != tuple(self.box.centre)
         facing = receivers.seen_from_outside
         outside = None if receivers.all_inside and not facing else self.outside
-        return LookupEffects(correction, outside, offset, facing, stretched)
+        return LookupEffects(correction, outside, offset, facing, stretched, **own)
 
     @property
     def boundary(self) -> float:
@@ -247,25 +263,84 @@ class ProbeSpec:
         return float(np.abs(self.box.centre).max() + np.linalg.norm(self.box.half_extents))
 
     @property
+    def face_falloffs(self) -> np.ndarray:
+        """(2, 3) metres, never 0: how far it fades beyond the faces at the low and at the high ends of the own axes."""
+        return np.maximum(self.influence.falloffs(self.falloff), STEEPEST_FALLOFF)
+
+    @property
     def influence_falloff(self) -> float:
-        """The falloff, metres, never 0: shaders divide by it."""
-        return max(self.falloff, STEEPEST_FALLOFF)
+        """The longest of them, metres: shaders divide by it."""
+        return float(self.face_falloffs.max())
+
+    @property
+    def influence_reach(self) -> np.ndarray:
+        """(2, 3) metres: how far the influence box, with the padding, reaches beyond the low and the high faces."""
+        return np.array([self.influence.low, self.influence.high]) + self.influence_padding
+
+    @property
+    def influence_corners(self) -> np.ndarray:
+        """(8, 3) world space, metres: the corners of the influence box, without padding."""
+        low, high = -self.box.half_widths - self.influence.low, self.box.half_widths + self.influence.high
+        metres = np.where(np.array(list(np.ndindex(2, 2, 2))) == 1, high, low)
+        return self.box.centre + metres @ np.linalg.inv(self.box.face_normals).T
+
+    @property
+    def has_different_faces(self) -> bool:
+        """Whether the influence is more than the box with one padding and one falloff."""
+        falloffs = self.face_falloffs
+        return any(self.influence.low + self.influence.high) or bool((falloffs != falloffs[0, 0]).any())
+
+    def shown_faces(self, correction: Correction) -> dict[str, np.ndarray]:
+        """(3,) each: the inputs of a lookup with this correction that say how the faces differ."""
+        order = np.where(self.box.along_own_axes(correction) > 0.0, [[0], [1]], [[1], [0]])
+        reach, steep = self.influence_reach, self.influence_falloff / self.face_falloffs
+        low, high = ((order[end], np.arange(3)) for end in (0, 1))
+        return {
+            "Reach Low": reach[low],
+            "Reach High": reach[high],
+            "Steepness Low": steep[low],
+            "Steepness High": steep[high],
+        }
 
     def contains(self, corners: np.ndarray) -> bool:
+        """Whether world-space points (n, 3), and all between them, lie within the influence box and its padding."""
+        return bool(self.within_influence(corners).all())
+
+    def within_influence(self, points: np.ndarray) -> np.ndarray:
+        """(…) bool: which world-space points (…, 3) lie within the influence box and its padding."""
+        low, high = self.box.half_widths + self.influence_reach
+        coordinates = self.box.coordinates(points)
+        return ((coordinates >= -low) & (coordinates <= high)).all(-1)
+
+    def encloses(self, points: np.ndarray) -> bool:
         """Whether world-space points (n, 3), and all between them, lie within the box and its padding."""
-        reach = self.box.half_widths + self.influence_padding
-        return bool((np.abs(self.box.coordinates(corners)) <= reach).all())
+        return bool((np.abs(self.box.coordinates(points)) <= self.box.half_widths + self.influence_padding).all())
 
     def keeps_clear_of(self, corners: np.ndarray) -> bool:
         """Whether world-space points (n, 3), and all between them, lie inside the box and apart from its walls."""
         reach = self.box.half_widths - 2.0 * self.boundary
         return bool((np.abs(self.box.coordinates(corners)) < reach).all())
 
+    @property
+    def fading_reach(self) -> np.ndarray:
+        """(2, 3) metres: how far the influence reaches beyond the low and the high faces until it has faded."""
+        return self.influence_reach + self.influence.falloffs(self.falloff)
+
     def overlaps(self, corners: np.ndarray) -> bool:
         """Whether a convex cloud of world-space points (n, 3) may reach into the influence volume.
 
         Tests separation along the box's face normals only, so it errs towards True.
         """
+        return self._reaches(corners, self.fading_reach)
+
+    def nears(self, corners: np.ndarray, distance: float) -> bool:
+        """Whether such a cloud may come nearer to the influence box than a distance in metres; errs towards True.
+
+        Below 0: whether it may reach as deep into the box.
+        """
+        return self._reaches(corners, np.array([self.influence.low, self.influence.high]) + distance)
+
+    def _reaches(self, corners: np.ndarray, reach: np.ndarray) -> bool:
         coordinates = self.box.coordinates(corners)
-        reach = self.box.half_widths + self.influence_padding + self.falloff
-        return bool((coordinates.max(0) >= -reach).all() and (coordinates.min(0) <= reach).all())
+        low, high = self.box.half_widths + reach
+        return bool((coordinates.max(0) >= -low).all() and (coordinates.min(0) <= high).all())

@@ -92,11 +92,13 @@ class PlacementReading:
         materials: names of those that it shows, those that modifiers and geometry nodes assign included.
         corners: (8, 3) float64, world space, metres: the bounding box along its own axes, in the order of
             `numpy.ndindex(2, 2, 2)`.
+        fixed: whether its materials cannot be exchanged for copies: it is linked, or others than its slots give them.
     """
 
     object: str
     materials: tuple[str, ...]
     corners: np.ndarray
+    fixed: bool = False
 
 
 @dataclass(frozen=True)

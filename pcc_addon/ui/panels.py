@@ -49,6 +49,34 @@ class PCC_PT_probe(bpy.types.Panel):
         layout.operator("pcc.bake", icon="RENDER_STILL", text="Bake Selected Probes").scope = "SELECTED"
 
 
+class PCC_PT_influence(bpy.types.Panel):
+    bl_label = "Influence"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "data"
+    bl_parent_id = "PCC_PT_probe"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.object.pcc_probe
+        column = layout.column()
+        column.prop(settings, "weight")
+        column.prop(settings, "priority")
+        column.prop(settings, "receivers")
+        column.prop(settings, "excluded")
+        box = layout.column()
+        box.active = settings.correction == "BOX"
+        box.prop(settings, "influence_low", text="Beyond −X, −Y, −Z")
+        box.prop(settings, "influence_high", text="Beyond +X, +Y, +Z")
+        box.prop(settings, "falloff_per_face")
+        if settings.falloff_per_face:
+            box.prop(settings, "falloff_low", text="Falloff −X, −Y, −Z")
+            box.prop(settings, "falloff_high", text="Falloff +X, +Y, +Z")
+        box.prop(settings, "normal_fade")
+
+
 class PCC_PT_hidden(bpy.types.Panel):
     bl_label = "Hidden from Capture"
     bl_space_type = "PROPERTIES"
@@ -110,4 +138,4 @@ def draw_add_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     self.layout.operator("pcc.probe_add", icon="LIGHTPROBE_SPHERE")
 
 
-CLASSES = (PCC_PT_probe, PCC_PT_hidden, PCC_PT_scene)
+CLASSES = (PCC_PT_probe, PCC_PT_influence, PCC_PT_hidden, PCC_PT_scene)

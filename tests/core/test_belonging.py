@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pcc_addon.core.belonging import Belongings, belongings
+from pcc_addon.core.belonging import Belongings, are_apart, belongings, beside, layered
+from pcc_addon.core.influence import Influence
 from pcc_addon.core.probe import Box, ProbeSpec
 
 from .scenes import placement, spec
@@ -124,3 +125,32 @@ def test_a_share_counts_before_nearness() -> None:
     beam = placement("Beam", "Wood", x=1.8, size=(0.9, 0.5, 0.5))
     assert owners(belongings([large], [beam])) == {"Large"}
     assert owners(belongings([large, spec("Small", half=1.0)], [beam])) == {"Small"}
+
+
+@pytest.mark.parametrize(
+    ("x", "expected"),
+    [(3.0, False), (3.9, False), (3.96, True), (4.0, True), (4.5, True), (20.0, True)],
+)
+def test_boxes_are_apart_from_where_they_have_less_than_the_handover_in_common(x: float, expected: bool) -> None:
+    """A fifth of the falloff of 0.25 m."""
+    assert are_apart(spec("A"), spec("B", x)) is are_apart(spec("B", x), spec("A")) is expected
+    assert not are_apart(spec("A"), spec("B", x, animated=True)), "nobody knows where it goes"
+
+
+def test_a_box_within_another_is_not_apart_and_influences_count() -> None:
+    assert not are_apart(spec("Large", half=5.0), spec("Small", 1.0, half=0.5))
+    assert are_apart(spec("A"), spec("B", 4.5))
+    assert not are_apart(spec("A", influence=Influence(high=(1.0, 0.0, 0.0))), spec("B", 4.5))
+    assert are_apart(spec("A", influence=Influence(high=(-1.0, 0.0, 0.0))), spec("B", 3.2))
+
+
+def test_each_probe_keeps_out_of_those_before_it_that_are_apart() -> None:
+    hall, niche, room = spec("Hall", half=5.0), spec("Niche", 1.0, half=0.5), spec("Room", 8.0)
+    assert beside([hall, niche, room]) == ((), (), (0, 1)) and beside([room, hall, niche]) == ((), (0,), (0,))
+
+
+def test_layers_go_by_priority_then_size_then_rank() -> None:
+    specs = {"A": spec("A"), "B": spec("B"), "Large": spec("Large", half=9.0)}
+    assert layered(["A", "B", "Large"], specs) == ["Large", "B", "A"]
+    specs["Large"] = spec("Large", half=9.0, influence=Influence(priority=1))
+    assert layered(["B", "Large", "A"], specs) == ["A", "B", "Large"]

@@ -12,21 +12,14 @@ from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.probe import Box, ProbeSpec
 
 from . import boxes
+from .sharing import parts_of
 
 ROUNDOFF = 2.0**-24
 
 
 def coverage_of(depths: np.ndarray, weights: np.ndarray, fade: float = 0.25) -> tuple[np.ndarray, np.ndarray]:
-    """(n, probes) how much of n points each probe ends up with, and (n,) how much stays with the surface's own lobe."""
-    distance = evaluate(choice.START.outputs, {"Depth": depths[:, 0]})["Distance"]
-    covered, parts = weights[:, 0].astype(np.float32), [np.ones(len(depths), np.float32)]
-    for k in range(1, depths.shape[1]):
-        inputs = {"Depth": depths[:, k], "Weight": weights[:, k], "Distance": distance, "Coverage": covered}
-        step = evaluate(choice.NEXT.outputs, {**inputs, "Fade": fade})
-        covered, distance = step["Coverage"], step["Distance"]
-        parts = [part * (1.0 - step["Share"]) for part in parts] + [step["Share"]]
-    own = evaluate(choice.own_share(None).outputs, {"Coverage": covered, "Diffuse Ray": 0.0})["Share"]
-    return np.stack(parts, -1) * covered[:, None], own
+    """Of boxes that are apart."""
+    return parts_of(depths, weights, [fade] * depths.shape[1])
 
 
 def weight_at(depth: np.ndarray, falloff: float = 0.25) -> np.ndarray:
@@ -69,16 +62,25 @@ def test_through_a_doorway_the_shares_do_not_step() -> None:
     assert np.abs(np.diff(own)).max() < 0.005 and own.max() < 0.15
 
 
-def test_a_smaller_box_fades_in_within_a_larger_one() -> None:
-    depth = np.linspace(-0.1, 0.5, 601)
-    depths = np.stack([np.full_like(depth, 2.0), depth], -1)
-    shares, own = coverage_of(depths, weight_at(depths))
-    assert not own.any()
-    assert (np.diff(shares[:, 1]) >= -1e-7).all()
-    np.testing.assert_allclose(shares[depth >= 0.25, 1], 1.0, atol=1e-6)
-    assert not shares[depth <= 0.0, 1].any()
-    np.testing.assert_allclose(np.interp([0.0625, 0.125], depth, shares[:, 1]), [0.15625, 0.5], atol=2e-3)
-    assert np.abs(np.diff(shares[:, 1])).max() < 0.01
+def test_a_box_over_another_is_shown_in_all_of_itself_and_fades_beyond() -> None:
+    """On a floor that both stand on, too."""
+    depth = np.linspace(-0.5, 0.1, 601)
+    for below in (2.0, 0.01):
+        depths = np.stack([np.full_like(depth, below), depth], -1)
+        shares, own = parts_of(depths, weight_at(depths), [0.25, 0.25], apart=[(), ()])
+        assert not own.any()
+        assert (np.diff(shares[:, 1]) >= -1e-7).all()
+        np.testing.assert_array_equal(shares[depth >= 0.0, 1], 1.0)
+        assert not shares[depth <= -0.25, 1].any()
+        np.testing.assert_allclose(np.interp([-0.1875, -0.125], depth, shares[:, 1]), [0.15625, 0.5], atol=2e-3)
+        assert np.abs(np.diff(shares[:, 1])).max() < 0.01
+
+
+def test_what_shows_its_own_picture_outside_fades_by_depth_where_it_is_over_others() -> None:
+    """Its weight is 1 everywhere."""
+    depths = np.array([[2.0, 0.1], [2.0, -0.125], [2.0, -0.3]])
+    shares, _ = parts_of(depths, np.ones((3, 2)), [0.25, 0.25], apart=[(), ()])
+    np.testing.assert_allclose(shares[:, 1], [1.0, 0.5, 0.0], atol=1e-6)
 
 
 def test_diffuse_rays_meet_the_own_lobe_only() -> None:

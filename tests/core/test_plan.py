@@ -310,9 +310,10 @@ def test_what_reflects_nothing_is_in_the_plan_and_nobody_is_told() -> None:
 
 
 def many(count: int) -> tuple[tuple[ProbeReading, ...], tuple]:
-    """Probes side by side, and an object in each, more of them in the earlier ones."""
+    """Probes side by side, and objects in each that cannot wear copies, more of them in the earlier ones."""
     probes = tuple(probe(f"P{k:02}", 10.0 * k) for k in range(count))
-    return probes, tuple(placement(f"{k:02} {n}", "Wood", x=10.0 * k) for k in range(count) for n in range(count - k))
+    placed = (placement(f"{k:02} {n}", "Wood", x=10.0 * k) for k in range(count) for n in range(count - k))
+    return probes, tuple(replace(one, fixed=True) for one in placed)
 
 
 @pytest.mark.parametrize(

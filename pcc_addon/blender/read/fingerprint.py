@@ -40,7 +40,7 @@ _CAPTURED = [
     for field in fields(ProbeSpec)
     if field.name
     not in {"name", "box", "capture_offset", "padding", "falloff", "outside", "corrected", "hidden", "animated"}
-    | {"source", "picture"}
+    | {"source", "picture", "influence"}
 ]
 _NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
 _ID_BOOKKEEPING = {p.identifier for p in bpy.types.ID.bl_rna.properties}
@@ -124,7 +124,7 @@ def _object(item: bpy.types.Object) -> bytes:
         digest.update("\n".join(node_lines(getattr(data, "node_tree", None))).encode())
     for slot in item.material_slots:
         if slot.material:
-            digest.update(slot.material.name_full.encode())
+            digest.update(marks.original(slot.material).name_full.encode())
             digest.update("\n".join(node_lines(slot.material.node_tree)).encode())
     return digest.digest()
 
@@ -162,6 +162,21 @@ def _mesh(mesh: bpy.types.Mesh, digest: Any) -> None:
     starts = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_start", starts)
     digest.update(starts.tobytes())
+
+
+_MATERIAL_BOOKKEEPING = _ID_BOOKKEEPING | {
+    "cycles",
+    "grease_pencil",
+    "lineart",
+    "paint_active_slot",
+    "paint_clone_slot",
+}
+
+
+def material_lines(material: bpy.types.Material) -> list[str]:
+    """Lines that change when a material changes, its name apart; what is ours in it is left out."""
+    cycles = _properties(material.cycles, {"name", "emission_sampling"})
+    return [*_properties(material, _MATERIAL_BOOKKEEPING), *cycles, *node_lines(material.node_tree)]
 
 
 def node_lines(tree: bpy.types.NodeTree | None, seen: set[str] | None = None, *, values: bool = True) -> list[str]:

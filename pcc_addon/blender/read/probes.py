@@ -11,8 +11,10 @@ from mathutils import Matrix
 
 from ...core.effects.records import Outside
 from ...core.errors import PccError, ProbeError
+from ...core.influence import Influence
 from ...core.probe import Box, Engine, ProbeSpec, Source
 from ...core.sidecar import Sidecar
+from ..properties import PCC_Probe
 
 # The fields of a record that are what the setting of the same name says.
 _AS_SET = [
@@ -68,8 +70,27 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         animated=is_animated(probe),
         source=Source(settings.source),
         picture=bpy.path.abspath(settings.picture, library=probe.library) if settings.picture else "",
+        influence=_influence(settings),
         **{name: getattr(settings, name) for name in _AS_SET},
     )
+
+
+def _influence(settings: PCC_Probe) -> Influence:
+    falloffs = (tuple(settings.falloff_low), tuple(settings.falloff_high)) if settings.falloff_per_face else (None,) * 2
+    return Influence(
+        tuple(settings.influence_low),
+        tuple(settings.influence_high),
+        *falloffs,
+        normal_fade=settings.normal_fade,
+        weight=settings.weight,
+        priority=settings.priority,
+        receivers=_names(settings.receivers) if settings.receivers else None,
+        excluded=_names(settings.excluded) if settings.excluded else frozenset(),
+    )
+
+
+def _names(collection: bpy.types.Collection) -> frozenset[str]:
+    return frozenset(item.name_full for item in collection.all_objects)
 
 
 def check_own(probe: bpy.types.Object) -> None:

@@ -96,7 +96,8 @@ def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading,
         corners = np.array(evaluated.bound_box, np.float64)[_BY_AXES] @ matrix[:3, :3].T + matrix[:3, 3]
         materials = _materials(evaluated)
         names = tuple(material.name_full for material in materials)
-        found.append((PlacementReading(evaluated.original.name_full, names, corners), materials))
+        original = evaluated.original
+        found.append((PlacementReading(original.name_full, names, corners, _is_fixed(original, names)), materials))
     return found
 
 
@@ -112,11 +113,17 @@ def _walls(view_layer: bpy.types.ViewLayer, clear: set[bpy.types.Material]) -> I
                 yield wall
 
 
+def _is_fixed(item: bpy.types.Object, shown: tuple[str, ...]) -> bool:
+    """Whether an object's materials cannot be exchanged: it is linked, or shows others than those of its slots."""
+    own = {marks.original(slot.material).name_full for slot in item.material_slots if slot.material}
+    return item.library is not None or item.override_library is not None or not own.issuperset(shown)
+
+
 def _materials(evaluated: bpy.types.Object) -> list[bpy.types.Material]:
     """The original materials that an evaluated object shows, by name."""
-    found = {slot.material.original for slot in evaluated.material_slots if slot.material}
+    found = {marks.original(slot.material.original) for slot in evaluated.material_slots if slot.material}
     made = getattr(evaluated.data, "materials", ())
-    found |= {material.original for material in made if material}
+    found |= {marks.original(material.original) for material in made if material}
     return sorted(found, key=lambda m: m.name_full)
 
 

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import bpy
-import numpy as np
 
+from ...core.belonging import beside, layered
 from ...core.errors import PccError
 from ...core.pictures import LADDER
 from ...core.plan import MaterialPlan, Plan, make_plan
 from ...core.probe import ProbeSpec
 from ...core.readings import SceneReading
+from .. import marks
 from ..read.probes import all_probes
 from ..read.scene import read_scene
 from ..store.levels import bake_folder, ensure_levels
-from . import groups, live
+from . import copies, groups, live
 from .probe_group import refresh_group, shown_probe
-from .twin import has_twins, is_torn
+from .twin import is_torn
 from .twin_order import ShownProbe, TwinOrder
 
 
@@ -59,26 +60,42 @@ def inject(
     specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
     materials = {material.name_full: material for material in bpy.data.materials}
     chosen = None if objects is None else {material.name_full for material in materials_of(objects)}
-    pairs = []
+    pairs, known = [], copies.all_copies()
     for material_plan in plan.materials:
         if chosen is not None and material_plan.material not in chosen:
             continue
         material = materials[material_plan.material]
-        order = order_of(material_plan, shown, specs)
-        if order.probes:
-            live.show(material, order)
-            pairs += [(material.name, probe) for probe in material_plan.probes if probe in shown]
-        elif not material.library:
-            live.remove(material)
+        if not material.library:
+            _show(material, material_plan, shown, specs, known)
+        pairs += [(material.name, probe) for probe in material_plan.probes if probe in shown]
         notes += material_plan.notes
     _remove_from_others(plan, objects if objects is not None else scene.objects)
     groups.drop_unused_groups()
     return InjectionReport(tuple(pairs), tuple(notes))
 
 
+def _show(
+    material: bpy.types.Material,
+    plan: MaterialPlan,
+    shown: Mapping[str, ShownProbe],
+    specs: Mapping[str, ProbeSpec],
+    known: copies.Copies,
+) -> None:
+    """Let a material, and the copies of it that some objects are to wear, show what is planned."""
+    parts = [part for part in plan.division.parts if not part.probes or any(name in shown for name in part.probes)]
+    worn = copies.divide(material, parts, known.get(material, ()))
+    each = [(material, plan.division.kept), *((copy, part.probes) for copy, part in zip(worn, parts, strict=True))]
+    for one, probes in each:
+        order = order_of(plan, probes, shown, specs)
+        if order.probes:
+            live.show(one, order)
+        else:
+            live.remove(one)
+
+
 def mend(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
     """Build again what materials show and somebody deleted; nothing else is touched."""
-    torn = {material.name_full: material for material in bpy.data.materials if is_torn(material)}
+    torn = {marks.original(m).name_full: marks.original(m) for m in bpy.data.materials if is_torn(m)}
     if not torn:
         return
     reading = read_scene(scene, view_layer)
@@ -87,30 +104,39 @@ def mend(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
     specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
     for material_plan in plan.materials:
         material = torn.get(material_plan.material)
-        order = order_of(material_plan, shown, specs)
-        if material is not None and order.probes and not material.library:
-            live.show(material, order)
+        if material is not None and material_plan.probes and not material.library:
+            _show(material, material_plan, shown, specs, copies.all_copies())
 
 
 def remove(objects: Iterable[bpy.types.Object] | None = None) -> list[str]:
     """Take the probes out of all materials, or of those on `objects`; returns the names of the restored ones."""
-    materials = list(bpy.data.materials) if objects is None else materials_of(objects)
-    restored = [m.name for m in materials if not m.library and live.remove(m)]
+    objects = None if objects is None else list(objects)
+    whole = None if objects is None else {material.name_full for material in materials_of(objects)}
+    known = copies.all_copies()
+    divided = [original for original in known if whole is None or original.name_full in whole]
+    for original in divided:
+        copies.unite(original, known[original])
+    names = {original.name for original in divided}
+    chosen = list(bpy.data.materials) if objects is None else materials_of(objects)
+    restored = [m.name for m in chosen if not m.library and (live.remove(m) or m.name in names)]
     groups.drop_unused_groups()
     return restored
 
 
 def materials_of(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Material]:
-    """The materials of some objects, by name."""
-    found = {slot.material for item in objects for slot in item.material_slots if slot.material}
+    """The materials of some objects, by name; the user's own for copies of ours."""
+    found = {marks.original(slot.material) for item in objects for slot in item.material_slots if slot.material}
     return sorted(found, key=lambda m: m.name_full)
 
 
-def order_of(plan: MaterialPlan, shown: Mapping[str, ShownProbe], specs: Mapping[str, ProbeSpec]) -> TwinOrder:
-    """What a material's twins are to show of the probes that are at hand, the largest box first."""
-    at_hand = [probe for probe in plan.probes if probe in shown]
-    at_hand.sort(key=lambda probe: (-float(np.prod(specs[probe].box.half_widths)), probe))
-    return TwinOrder(tuple(shown[probe] for probe in at_hand), plan.served, plan.emits)
+def order_of(
+    plan: MaterialPlan, probes: Sequence[str], shown: Mapping[str, ShownProbe], specs: Mapping[str, ProbeSpec]
+) -> TwinOrder:
+    """What the twins of a material, or of a copy, are to show of some probes, each over those before it."""
+    at_hand = layered([probe for probe in probes if probe in shown], specs)
+    apart = beside([specs[probe] for probe in at_hand])
+    ordered = tuple(replace(shown[probe], beside=others) for probe, others in zip(at_hand, apart, strict=True))
+    return TwinOrder(ordered, plan.served, plan.emits)
 
 
 def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, notes: list[str]) -> dict[str, ShownProbe]:
@@ -138,7 +164,8 @@ def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, not
 
 def _remove_from_others(plan: Plan, objects: Iterable[bpy.types.Object]) -> None:
     """Remove the twins of materials that no probe reaches any more."""
-    planned = {material.material for material in plan.materials}
+    planned, known = {material.material for material in plan.materials}, copies.all_copies()
     for material in materials_of(objects):
-        if material.name_full not in planned and not material.library and has_twins(material):
+        if material.name_full not in planned and not material.library:
+            copies.unite(material, known.get(material, ()))
             live.remove(material)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import bpy
 
+from ...core.belonging import beside
 from ...core.effects.roughness import neighbours
 from ...core.effects.transmission import Interface
+from ...core.errors import ProbeError
 from ...core.plan import plan_surfaces
 from ...core.probe import Receivers
 from .. import marks
 from ..read.fingerprint import node_lines
 from ..read.materials import read_material
-from . import probe_group
+from ..read.probes import probe_spec
+from . import copies, probe_group
 from .probe_group import probe_of, shown_probe
 from .sketch import OF, VALUES, repeat_value
 from .twin import add_twins, has_twins, is_torn, remove_twins, shown_probe_groups
@@ -62,7 +67,9 @@ def copy_values(tree: bpy.types.ShaderNodeTree) -> None:
 def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
     """A text that changes when the twins of a material must be built anew; values alone do not change it."""
     lines = node_lines(material.node_tree, values=False)
-    lines += [f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs}" for shown in order.probes]
+    lines += [
+        f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs} {shown.beside}" for shown in order.probes
+    ]
     for path, surface in sorted(order.surfaces.items()):
         levels = [neighbours(shown.rungs, *surface.roughness) for shown in order.probes]
         lines.append(
@@ -92,14 +99,32 @@ def refresh_probe(
             bring_up_to_date(material, roughness_limit)
 
 
-def bring_up_to_date(material: bpy.types.Material, roughness_limit: float) -> None:
+def follow(materials: Iterable[bpy.types.Material], roughness_limit: float) -> None:
+    """Let the twins of edited materials, and copies of these, follow what the user made of them."""
+    known = copies.all_copies()
+    for original in dict.fromkeys(marks.original(material) for material in materials):
+        for material, groups in copies.follow(original, known.get(original, ())):
+            bring_up_to_date(material, roughness_limit, groups)
+
+
+def bring_up_to_date(
+    material: bpy.types.Material,
+    roughness_limit: float,
+    groups: Sequence[bpy.types.ShaderNodeTree] | None = None,
+) -> None:
     """Let the twins of a material follow what the user made of it; nothing happens to materials without twins.
 
     Probes that were deleted are shown no more. A surface that no probe can serve at present keeps its own lobe, and
     shows them again when it can be served.
+
+    Args:
+        material: which.
+        roughness_limit: rougher surfaces keep their own lobe.
+        groups: of the probes that it shows; None: those that it shows now.
     """
-    groups = shown_probe_groups(material) if material.node_tree and not material.library else ()
-    if not groups:
+    if groups is None:
+        groups = shown_probe_groups(material)
+    if not groups or not material.node_tree or material.library:
         return
     left = [group for group in groups if probe_of(group) is not None]
     if not left:
@@ -109,4 +134,13 @@ def bring_up_to_date(material: bpy.types.Material, roughness_limit: float) -> No
     interface = Interface(marks.noted(material, _INTERFACE, Interface.SOLID.value))
     plans = () if reading.obstacles else plan_surfaces(reading, roughness_limit, interface)
     served = {plan.path: plan for plan in plans if plan.effects is not None}
-    show(material, TwinOrder(tuple(shown_probe(group) for group in left), served, reading.emits))
+    ordered = [replace(shown_probe(group), beside=others) for group, others in zip(left, _beside(left), strict=True)]
+    show(material, TwinOrder(tuple(ordered), served, reading.emits))
+
+
+def _beside(groups: Sequence[bpy.types.ShaderNodeTree]) -> tuple[tuple[int, ...], ...]:
+    """`beside` of the probes of some groups; those whose transform is faulty are not known to be apart."""
+    try:
+        return beside([probe_spec(probe_of(group)) for group in groups])
+    except ProbeError:
+        return ((),) * len(groups)

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.effects import lookup
+from ...core.effects.records import Correction
 from ...core.expression import Operand
 from ...core.probe import ProbeSpec, Receivers
 from .. import marks
@@ -19,7 +20,7 @@ from .drivers import DRIVEN, driven_object, driven_vector, follow
 from .node_builder import Surroundings, emit
 from .twin_order import ShownProbe
 
-VERSION = 5
+VERSION = 6
 ROLE = "probe"
 UNKNOWN_RECEIVERS = Receivers()
 _BUILT_FOR = "built_for"  # the probe's matrix and drawn size when its group was built
@@ -55,7 +56,9 @@ def refresh_group(
     known = {
         "Capture Point": record.capture_point,
         "Falloff": spec.influence_falloff,
-        **_following(spec),
+        "Normal Fade": spec.influence.normal_fade,
+        "Probe Weight": spec.influence.weight,
+        **_following(spec, effects.correction),
     }
     if shares is None:
         shares = probe.pcc_probe.group is not None and bool(marks.noted(probe.pcc_probe.group, _SHARES))
@@ -121,17 +124,18 @@ def was_moved(probe: bpy.types.Object) -> bool:
 
 
 def follow_afar(tree: bpy.types.ShaderNodeTree, spec: ProbeSpec) -> None:
-    """Give a probe's group the lengths that depend on how far from the origin it stands."""
-    wanted = _following(spec)
+    """Give a probe's group the lengths that depend on how far from the origin it stands, and on mirrored axes."""
+    wanted = _following(spec, spec.effects(UNKNOWN_RECEIVERS, spec.capture_point).correction)
     for node in tree.nodes:
         for socket in node.inputs if node.bl_idname == "ShaderNodeGroup" else ():
-            length = wanted.get(socket.name)
-            if length is not None and abs(socket.default_value - length) > 1e-6 * length:
-                socket.default_value = length  # which asks for another update
+            value = wanted.get(socket.name)
+            if value is not None and not np.allclose(socket.default_value, value, rtol=1e-6, atol=0.0):
+                socket.default_value = value  # which asks for another update
 
 
-def _following(spec: ProbeSpec) -> dict[str, float]:
-    return {"Padding": spec.influence_padding, "Boundary": spec.boundary}
+def _following(spec: ProbeSpec, correction: Correction) -> dict[str, Operand]:
+    faces = {name: tuple(float(v) for v in values) for name, values in spec.shown_faces(correction).items()}
+    return {"Padding": spec.influence_padding, "Boundary": spec.boundary, **faces}
 
 
 def _place(probe: bpy.types.Object) -> list[float]:

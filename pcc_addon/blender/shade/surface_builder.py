@@ -36,6 +36,7 @@ class SurfaceBuilder:
         self.sketch, self.node, self.plan, self.probes = sketch, node, plan, probes
         self._ways: dict[int, bpy.types.Node] = {}
         self._normal_output: bpy.types.NodeSocket | None = None
+        self._distances: dict[tuple[bpy.types.NodeSocket, ...], bpy.types.NodeSocket] = {}
 
     def build(self) -> bpy.types.NodeSocket:
         """The shader's output; without probes the diffuse part alone, as captures need it."""
@@ -153,29 +154,39 @@ class SurfaceBuilder:
 
         A Mix Shader is skipped by Cycles on the side that has no share, so only the probes of the place are read.
         """
-        shader = distance = coverage = None
+        shader = coverage = None
+        depths: list[bpy.types.NodeSocket | None] = []
         for row, shown in enumerate(self.probes):
             if row > 0:
                 lit = self._lit(row)
             probe = self._light(lit, shown, row)
             one, weight = shader_of(lit, row), probe.outputs.get("Weight")
+            depths.append(probe.outputs.get("Depth"))
             if shader is None:
                 shader, coverage = one, weight
-                if len(self.probes) > 1:
-                    start = self._call(choice.START, -500.0, 0, {"Depth": probe.outputs["Depth"]})
-                    distance = start.outputs["Distance"]
                 continue
             given = {
-                "Depth": probe.outputs["Depth"],
-                "Distance": distance,
+                "Depth": depths[row],
                 "Coverage": 1.0 if coverage is None else coverage,  # a probe that has all of what is its share
                 "Weight": 1.0 if weight is None else weight,
                 "Fade": shown.fade,
             }
-            step = self._call(choice.NEXT, -500.0, row, given)
+            if shown.beside:
+                given["Distance"] = self._nearest(tuple(depths[k] for k in shown.beside), row)
+            step = self._call(choice.BESIDE if shown.beside else choice.OVER, -500.0, row, given)
             shader = self._mix(480.0, row, step.outputs["Share"], shader, one)
-            coverage, distance = step.outputs["Coverage"], step.outputs["Distance"]
+            coverage = step.outputs["Coverage"]
         return shader, coverage
+
+    def _nearest(self, depths: tuple[bpy.types.NodeSocket, ...], row: int) -> bpy.types.NodeSocket:
+        """How far outside the nearest of some boxes a point is, from its depths in them; made once for all rows."""
+        if depths not in self._distances:
+            last = self._call(choice.OUTSIDE, -500.0, row, {"Depth": depths[-1]}).outputs["Distance"]
+            if len(depths) > 1:
+                given = {"Distance": self._nearest(depths[:-1], row), "Other Distance": last}
+                last = self._call(choice.NEARER, -500.0, row, given).outputs["Distance"]
+            self._distances[depths] = last
+        return self._distances[depths]
 
     def _light(self, lit: bpy.types.Node, shown: ShownProbe, row: int) -> bpy.types.Node:
         """Feed a surface by a probe along each of its rays; returns the probe's node of the first one."""

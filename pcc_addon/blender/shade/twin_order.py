@@ -17,14 +17,16 @@ class ShownProbe:
     Attributes:
         group: its node group.
         rungs: the roughnesses of its outputs "Level 0", "Level 1" …, ascending.
-        fade: metres over which it fades in within a larger probe's box.
+        fade: metres over which it fades beyond its box.
         outputs: names of the group's outputs.
+        beside: those before it in its material, by their index, whose boxes are apart from its own.
     """
 
     group: bpy.types.ShaderNodeTree
     rungs: tuple[float, ...]
     fade: float
     outputs: tuple[str, ...] = ()
+    beside: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class TwinOrder:
     """What to build.
 
     Attributes:
-        probes: largest box first; empty: the diffuse part alone, as captures need it.
+        probes: each shown over those before it; empty: the diffuse part alone, as captures need it.
         surfaces: by path; those that are missing keep their own lobes.
         emits: whether the material is a light of its own, which Cycles goes on sampling.
     """

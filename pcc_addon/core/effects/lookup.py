@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, reduce
+from operator import mul
 
 from ..expression import (
     Calls,
@@ -61,6 +62,11 @@ PADDING = scalar("Padding")
 FALLOFF = scalar("Falloff")  # above 0: `ProbeSpec.influence_falloff`
 BOUNDARY = scalar("Boundary")  # metres that positions on a wall may be off by rounding: `ProbeSpec.boundary`
 STEEPEST = scalar("Steepest")
+# Of an influence whose faces differ, for the faces that the coordinates below and above the centre meet.
+REACH_LOW, REACH_HIGH = vector("Reach Low"), vector("Reach High")  # metres beyond the box's faces, padding included
+STEEPNESS_LOW, STEEPNESS_HIGH = vector("Steepness Low"), vector("Steepness High")  # the falloff over each face's own
+NORMAL_FADE = scalar("Normal Fade")  # metres, above 0
+PROBE_WEIGHT = scalar("Probe Weight")
 
 
 def along_face_normals(correction: Correction, v: Expr) -> Expr:
@@ -106,21 +112,43 @@ def stretch(correction: Correction) -> Expr:
 _OWN_WAY_ROUND = (1.0, -1.0, 1.0)
 
 
-def depth(to_centre: Expr, normal: Expr | None = None) -> Expr:
+def depth(to_centre: Expr, normal: Expr | None = None, *, per_face: bool = False) -> Expr:
     """How far a point lies below the nearest of the box's walls and their padding, metres; negative outside.
 
-    Given is the way from the point to the box's centre, along the face normals. With a normal along the face normals,
+    Given is the way from the point to the box's centre, along the face normals. Where faces differ, walls are those of
+    the influence box, and a distance from one counts as many times as its falloff goes into the longest of all, so that
+    whatever follows knows one falloff only. With a normal along the face normals,
     surfaces that lie on a wall or beyond it and face away from the box, such as the outer side of a house's wall, count
     as far outside. Half of the way to facing away is still inside, so that a bumpy floor under a doorway stays what it
     is.
     """
     beyond = absolute(to_centre) - HALF_WIDTHS
-    below = PADDING - greatest(beyond)
+    below = _depth_by_face(to_centre) if per_face else PADDING - greatest(beyond)
     if normal is None:
         return below
     facing_away = maximum(multiply_add(normal * -1.0, sign(to_centre), -0.5), 0.0)
     on_wall = clamp(beyond / BOUNDARY + 2.0)  # 1 from one boundary's width below the wall on
     return below - greatest(facing_away * on_wall) * FAR
+
+
+def _depth_by_face(to_centre: Expr) -> Expr:
+    low = (to_centre - HALF_WIDTHS - REACH_LOW) * STEEPNESS_LOW
+    high = (to_centre * -1.0 - HALF_WIDTHS - REACH_HIGH) * STEEPNESS_HIGH
+    return greatest(maximum(low, high)) * -1.0
+
+
+def fade_by_normal(below: Expr, from_capture: Expr) -> Expr:
+    """How much of a surface its normal leaves: all of it deep in the influence, or where it faces the capture point.
+
+    As Unity's HDRP has it ("Blend Normal Distance"): surfaces start to fade where the cosine of their normal with the
+    way from the capture point exceeds 0.2 and are gone at 0.6. There that begins at a border within the influence; here
+    it grows from there to the influence's own border, so that nothing steps. Near the capture point the way is as short
+    as it is, so that its direction does not step either.
+    """
+    cosine = dot(NORMAL, from_capture) / maximum(length(from_capture), NORMAL_FADE)
+    facing_away = clamp(multiply_add(cosine, 2.5, -0.5))
+    near_border = clamp(1.0 - below / NORMAL_FADE)
+    return 1.0 - facing_away * near_border
 
 
 def faded(below: Expr, falloff: Expr) -> Expr:
@@ -139,11 +167,13 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
 
     Returns:
         "Direction": in world space, or along the box's axes where the picture is stretched to it; not normalised;
-        "Weight": how much of the surface the probe has, 0 … 1.
+        "Weight": how much the influence leaves of the probe, 0 … 1; where its weight or normals count too, "Presence":
+        how much these leave.
     """
+    presence: list[Expr] = [PROBE_WEIGHT] if effects.weighted else []
     if effects.correction is Correction.NONE:
         along = Section("Along the box's axes", along_face_normals(Correction.ORIENTED_BOX, direction))
-        return {"Direction": along if effects.stretched else direction, "Weight": lift(1.0)}
+        return {"Direction": along if effects.stretched else direction, "Weight": lift(1.0), **_presence(presence)}
     to_centre = CENTRE - position
     to_capture = CAPTURE_POINT - position if effects.offset else to_centre
     q = Section("Along the box's axes", along_face_normals(effects.correction, to_centre))
@@ -156,14 +186,21 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
     else:
         corrected = Section("Direction from the capture point", direction - to_capture * near)
         uncorrected = direction
-    if effects.outside is None:
-        return {"Direction": corrected, "Weight": lift(1.0)}
     normal = along_face_normals(effects.correction, NORMAL) if effects.facing else None
-    weight = Section("Influence", faded(depth(q, normal), FALLOFF))
+    below = depth(q, normal, per_face=effects.per_face)
+    if effects.by_normal:
+        presence.append(Section("Influence", fade_by_normal(below, to_capture * -1.0)))
+    if effects.outside is None:
+        return {"Direction": corrected, "Weight": lift(1.0), **_presence(presence)}
+    weight = Section("Influence", faded(below, FALLOFF))
     if effects.outside is not Outside.UNCORRECTED:
-        return {"Direction": corrected, "Weight": weight}
+        return {"Direction": corrected, "Weight": weight, **_presence(presence)}
     turned = Section("Influence", mix(uncorrected, normalize(corrected), weight))
-    return {"Direction": turned, "Weight": lift(1.0)}
+    return {"Direction": turned, "Weight": lift(1.0), **_presence(presence)}
+
+
+def _presence(factors: list[Expr]) -> dict[str, Expr]:
+    return {"Presence": reduce(mul, factors)} if factors else {}
 
 
 def _off_poles() -> Expr:
@@ -200,10 +237,11 @@ def read_picture(picture: str, height: int, direction: Expr) -> Expr:
 
 
 @cache
-def depth_formula(correction: Correction) -> Formula:
+def depth_formula(correction: Correction, per_face: bool = False) -> Formula:
     """`depth` of a surface that has neighbours in other boxes."""
     q, normal = (along_face_normals(correction, v) for v in (CENTRE - POSITION, NORMAL))
-    return Formula(f"Depth, {correction.words}", {"Depth": depth(q, normal)})
+    title = f"Depth, {correction.words}" + ", per face" * per_face
+    return Formula(title, {"Depth": depth(q, normal, per_face=per_face)})
 
 
 @cache
@@ -229,7 +267,7 @@ def probe(
 
     Returns:
         A formula with a radiance for each picture, which it samples under the output's name; with "Weight" where
-        surfaces keep their own lobe outside; and with "Depth" of `depth_formula` where it shares.
+        surfaces keep some of their own lobe; and with "Depth" of `depth_formula` where it shares.
     """
     found = _with(lookup_formula(effects), known or {})
     corrected = effects.correction is not Correction.NONE
@@ -238,11 +276,13 @@ def probe(
         radiance = Section("Pictures", read_picture(name, height, found["Direction"]))
         blackens = corrected and effects.outside is Outside.BLACK
         outputs[name] = radiance * found["Weight"] if blackens else radiance
-    if corrected and effects.outside is Outside.OWN:
-        outputs["Weight"] = found["Weight"]
+    left = [found["Weight"]] if corrected and effects.outside is Outside.OWN else []
+    left += [found["Presence"]] if effects.weighted or (corrected and effects.by_normal) else []
+    if left:
+        outputs["Weight"] = reduce(mul, left)
     if shares:
         box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction
-        outputs["Depth"] = _with(depth_formula(box), known or {})["Depth"]
+        outputs["Depth"] = _with(depth_formula(box, effects.per_face), known or {})["Depth"]
     return Formula("Probe", outputs)
 
 

@@ -41,6 +41,9 @@ class LookupEffects:
             what the probe shows; requires `outside`.
         stretched: whether the picture was not captured in the box, so that its axes are the box's own and it is
             stretched to the box; without a correction it is only turned with it. Excludes `offset`.
+        per_face: whether the influence box or its falloff differs from face to face.
+        by_normal: whether surfaces that face away from the capture point fade near the border of the influence.
+        weighted: whether the probe has less than all of a surface even where it is shown in full.
     """
 
     correction: Correction = Correction.ORIENTED_BOX
@@ -48,6 +51,9 @@ class LookupEffects:
     offset: bool = True
     facing: bool = False
     stretched: bool = False
+    per_face: bool = False
+    by_normal: bool = False
+    weighted: bool = False
 
     @property
     def label(self) -> str:
@@ -57,5 +63,8 @@ class LookupEffects:
             words.append(f"outside {self.outside.value.lower()}" if self.outside else "inside")
             words.append("offset" if self.offset else "centred")
             words += ["seen from outside"] * self.facing
+            words += ["per face"] * self.per_face
+            words += ["by normal"] * self.by_normal
         words += ["along the box's axes" if self.correction is Correction.NONE else "stretched"] * self.stretched
+        words += ["weighted"] * self.weighted
         return ", ".join(words)

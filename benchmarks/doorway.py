@@ -1,0 +1,115 @@
+"""The mirror floor in the doorway between two rooms: path-traced, and as each probe and both together show it.
+
+python3 dev.py run benchmarks/doorway.py [PICTURES]
+"""
+
+from __future__ import annotations
+
+import sys
+from contextlib import redirect_stdout
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from benchmarks.measure import relative_rmse, render, start, table, write_page
+from pcc_addon.core.probe import Engine
+from sample_blends.scenes import add_camera, emissive, principled_node
+from sample_blends.two_rooms import DOORWAY_Y, LOUNGE, WHOLE, two_rooms
+
+SAMPLES = {Engine.CYCLES: 128, Engine.EEVEE: 16}
+RESOLUTION, TRUTH_SAMPLES = 512, 1024
+NEAR = 1.0  # metres on both sides of the wall's middle
+_OFFSET = 100.0  # keeps positions positive
+WAYS = {"Lounge alone": ("Lounge",), "Study alone": ("Study",), "both": ("Lounge", "Study")}
+
+
+def build() -> bpy.types.Scene:
+    """The rooms with a mirror for a floor, baked; seen from the lounge through the doorway."""
+    scene = two_rooms(0.0, doorway=True)
+    principled_node(bpy.data.materials["Tiles"]).inputs["Metallic"].default_value = 1.0
+    principled_node(bpy.data.materials["Tiles"]).inputs["Base Color"].default_value = (0.9, 0.9, 0.9, 1.0)
+    bpy.data.objects.remove(scene.camera)
+    add_camera(LOUNGE.world(0.2, -1.9, 0.25), LOUNGE.world(2.7, DOORWAY_Y, -1.2), 20.0, 320, 180)
+    for name in ("Lounge", "Study"):
+        settings = bpy.data.objects[name].pcc_probe
+        settings.resolution, settings.samples = RESOLUTION, 64
+        settings.outside = "UNCORRECTED"  # each probe alone is to be seen on all of the floor
+    bpy.ops.pcc.bake(scope="ALL")
+    return scene
+
+
+def near_doorway(scene: bpy.types.Scene) -> np.ndarray:
+    """(h, w) mask of the floor near the doorway, on both sides and in it."""
+    material, emission = emissive("Position")
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    geometry, add = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeVectorMath")
+    add.inputs[1].default_value = (_OFFSET,) * 3
+    links.new(geometry.outputs["Position"], add.inputs[0])
+    links.new(add.outputs[0], emission.inputs["Color"])
+    layer = bpy.context.view_layer
+    layer.material_override = material
+    place = render(scene, samples=1).pixels.astype(np.float64) - _OFFSET
+    layer.material_override = None
+    bpy.data.materials.remove(material)
+    local = (place - np.array(WHOLE.centre)) @ np.array(WHOLE.matrix.to_3x3())
+    on_floor = np.abs(local[..., 2] + WHOLE.half_extents[2]) < 0.01
+    return on_floor & (np.abs(local[..., 0]) < NEAR) & (np.abs(local[..., 1] - DOORWAY_Y) < NEAR)
+
+
+def show(probes: tuple[str, ...]) -> None:
+    """Let the floor show these probes and no other."""
+    nobody = bpy.data.collections.get("Nobody") or bpy.data.collections.new("Nobody")
+    for name in ("Lounge", "Study"):
+        bpy.data.objects[name].pcc_probe.receivers = None if name in probes else nobody
+    bpy.context.view_layer.update()
+    bpy.ops.pcc.inject()
+
+
+def measure(pictures: Path | None = None) -> dict[str, dict[str, float]]:
+    """The relative error of the floor near the doorway, by way and engine."""
+    scene = build()
+    truth, mask = render(scene, samples=TRUTH_SAMPLES).pixels, near_doorway(scene)
+    found: dict[str, dict[str, float]] = {}
+    _keep(pictures, "path-traced", truth)
+    for way, probes in WAYS.items():
+        show(probes)
+        for engine, samples in SAMPLES.items():
+            picture = render(scene, engine, samples).pixels
+            found.setdefault(way, {})[engine.value.title()] = relative_rmse(picture, truth, mask)
+            _keep(pictures, f"{way}, {engine.value.title()}", picture)
+    return found
+
+
+def _keep(folder: Path | None, name: str, pixels: np.ndarray) -> None:
+    """Write a picture to look at."""
+    if folder is None:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    h, w, _ = pixels.shape
+    image = bpy.data.images.new(name, w, h)
+    shown = np.ones((h, w, 4), np.float32)
+    shown[..., :3] = np.clip(pixels, 0.0, 1.0) ** (1.0 / 2.2)
+    image.pixels.foreach_set(shown.ravel())
+    image.filepath_raw, image.file_format = str(folder / f"{name}.png"), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def main() -> None:
+    start()
+    with redirect_stdout(sys.stderr):
+        found = measure(Path(sys.argv[1]) if len(sys.argv) > 1 else None)
+    engines = [engine.value.title() for engine in SAMPLES]
+    rows = [[way, *(f"{by_engine[engine]:.3f}" for engine in engines)] for way, by_engine in found.items()]
+    text = (
+        "Two furnished rooms with a doorway of 1.0 × 2.1 m in a wall of 12 cm and one mirror floor "
+        "(`sample_blends/two_rooms.py`). Relative error of the floor up to 1 m on both sides of the wall, against "
+        f"{TRUTH_SAMPLES} path-traced samples; a probe alone is shown on all of the floor.\n\n"
+        + table(["floor shows", *engines], rows)
+    )
+    write_page("doorway.md", "Through a doorway", "python3 dev.py run benchmarks/doorway.py", text)
+
+
+if __name__ == "__main__":
+    main()
