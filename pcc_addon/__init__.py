@@ -8,13 +8,21 @@ def register() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import interior, operators, panels, picture, plan
+    from .ui import by_hand, interior, operators, panels, picture, plan
 
     properties.register()
-    for cls in (*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *panels.CLASSES):
+    for cls in (
+        *operators.CLASSES,
+        *picture.CLASSES,
+        *plan.CLASSES,
+        *interior.CLASSES,
+        *by_hand.CLASSES,
+        *panels.CLASSES,
+    ):
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_lightprobe_add.append(panels.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.append(interior.draw_add_menu)
+    bpy.types.NODE_MT_shader_node_add_all.append(by_hand.draw_add_menu)
     handlers.register()
     _shell_command(register=True)
 
@@ -24,13 +32,16 @@ def unregister() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import interior, operators, panels, picture, plan
+    from .ui import by_hand, interior, operators, panels, picture, plan
 
     _shell_command(register=False)
     handlers.unregister()
+    bpy.types.NODE_MT_shader_node_add_all.remove(by_hand.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.remove(interior.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.remove(panels.draw_add_menu)
-    for cls in reversed((*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *panels.CLASSES)):
+    for cls in reversed(
+        (*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *by_hand.CLASSES, *panels.CLASSES)
+    ):
         bpy.utils.unregister_class(cls)
     properties.unregister()
 

@@ -12,7 +12,7 @@ from ..core.errors import PccError
 from . import marks, properties
 from .probes import keep_pictures_found
 from .read.probes import all_probes, bake_record, probe_spec
-from .shade import groups, injection, live, probe_group
+from .shade import by_hand, groups, injection, live, probe_group
 from .store import leftovers
 
 _paused = 0
@@ -64,6 +64,9 @@ def on_load(*_: object) -> None:
             if probe.pcc_probe.group is not None and not probe_group.is_current(probe):
                 with contextlib.suppress(PccError):  # status names what is wrong with the bake
                     probe_group.refresh_group(probe)  # all twins are brought up to date below
+            if not by_hand.is_current(probe):
+                with contextlib.suppress(PccError):
+                    by_hand.refresh(probe)
     with paused():
         injection.mend(bpy.context.scene, bpy.context.view_layer)
     bring_all_up_to_date(bpy.context.scene)
@@ -126,7 +129,8 @@ def _follow(probe: bpy.types.Object, roughness_limit: float) -> None:
         if copied or probe_group.shown_effects(tree) != needed.label:
             live.refresh_probe(probe, roughness_limit)
         else:
-            probe_group.follow_afar(tree, spec)
+            for group in (tree, *by_hand.groups_of(probe)):
+                probe_group.follow_afar(group, spec)
     except PccError:  # a transform in passing, such as a scale of 0; the bake reports one that stays
         return
 

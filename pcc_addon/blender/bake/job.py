@@ -26,7 +26,7 @@ from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
 from ..read.probes import check_own, check_place, probe_spec
 from ..read.scene import missing_textures, read_scene
-from ..shade import groups, injection, interior, twin
+from ..shade import by_hand, groups, injection, interior, twin
 from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
 from ..store import levels
@@ -277,6 +277,7 @@ class BakeJob:
         levels.store(probe, record, pictures, self._folder)
         refresh_group(probe, task.plan.receivers, task.plan.shares)
         interior.follow_bake(probe)
+        by_hand.refresh(probe)
         images = [level.image for level in probe.pcc_probe.levels]
         files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced), warnings))
@@ -290,6 +291,7 @@ def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:
     What a lobe sends to the capture point depends on where one stands, so it is no part of the picture.
     """
     stack.callback(groups.drop_unused_groups)
+    by_hand.hide(stack)
     for material in bpy.data.materials:
         for node in twin.reflection_nodes(material):
             override(stack, node, "mute", True)

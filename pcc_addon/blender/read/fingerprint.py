@@ -201,7 +201,9 @@ def node_lines(tree: bpy.types.NodeTree | None, seen: set[str] | None = None, *,
         for socket in node.inputs if values else ():
             value = getattr(socket, "default_value", None)
             lines.append(f"  {socket.identifier} {_plain(value)}")
-        lines += node_lines(getattr(node, "node_tree", None), seen)
+        inner = getattr(node, "node_tree", None)
+        if inner is None or marks.role(inner) != marks.BY_HAND:  # captures see that black, whatever is in it
+            lines += node_lines(inner, seen)
     lines += [
         f"link {link.from_node.name}.{link.from_socket.identifier} {link.to_node.name}.{link.to_socket.identifier}"
         f"{' muted' * link.is_muted}"

@@ -33,8 +33,12 @@ def surface_group(effects: SurfaceEffects) -> bpy.types.ShaderNodeTree:
 
 
 def drop_unused_groups() -> None:
-    """Remove formula groups that nothing uses, and those that only they used; probe groups stay with their probes."""
-    while unused := [t for t in bpy.data.node_groups if t.users == 0 and (marks.role(t) or "").startswith(_FORMULA)]:
+    """Remove what nothing uses: groups of formulas and for shaders made by hand, and those that only they used.
+
+    Probe groups stay with their probes.
+    """
+    ours = (_FORMULA, marks.BY_HAND)
+    while unused := [t for t in bpy.data.node_groups if t.users == 0 and (marks.role(t) or "").startswith(ours)]:
         for tree in unused:
             bpy.data.node_groups.remove(tree)
 

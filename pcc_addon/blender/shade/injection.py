@@ -17,7 +17,7 @@ from .. import marks
 from ..read.probes import all_probes
 from ..read.scene import read_scene
 from ..store.levels import bake_folder, ensure_levels
-from . import copies, groups, live
+from . import by_hand, copies, groups, live
 from .probe_group import refresh_group, shown_probe
 from .twin import is_torn
 from .twin_order import ShownProbe, TwinOrder
@@ -155,6 +155,7 @@ def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, not
         try:
             ensure_levels(probe, [LADDER[key.level] for key in probe_plan.pictures], folder)
             refresh_group(probe, probe_plan.receivers, probe_plan.shares)
+            by_hand.refresh(probe)
         except PccError as error:
             notes.append(str(error))
             continue

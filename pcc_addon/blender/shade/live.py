@@ -18,7 +18,7 @@ from .. import marks
 from ..read.fingerprint import node_lines
 from ..read.materials import read_material
 from ..read.probes import probe_spec
-from . import copies, probe_group
+from . import by_hand, copies, probe_group
 from .probe_group import probe_of, shown_probe
 from .sketch import OF, VALUES, repeat_value
 from .twin import add_twins, has_twins, is_torn, remove_twins, shown_probe_groups
@@ -84,13 +84,14 @@ def refresh_probe(
     receivers: Receivers = probe_group.UNKNOWN_RECEIVERS,
     shares: bool | None = None,
 ) -> None:
-    """`probe_group.refresh_group`, and the twins that read an output which came or went.
+    """`probe_group.refresh_group`, the probe's groups by hand, and the twins that read an output which came or went.
 
     Raises:
         PccError: the probe's transform, its record or a picture is faulty.
     """
     before = probe.pcc_probe.group and probe_group.outputs(probe.pcc_probe.group)
     probe_group.refresh_group(probe, receivers, shares)
+    by_hand.refresh(probe)
     tree = probe.pcc_probe.group
     if tree is None or before in (None, probe_group.outputs(tree)):
         return

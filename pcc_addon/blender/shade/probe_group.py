@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 import bpy
@@ -12,6 +12,7 @@ from ...core.effects import lookup
 from ...core.effects.records import Correction
 from ...core.expression import Operand
 from ...core.probe import ProbeSpec, Receivers
+from ...core.sidecar import Sidecar
 from .. import marks
 from ..read.probes import bake_record, probe_spec
 from ..store.pictures import check_pixels
@@ -53,25 +54,19 @@ def refresh_group(
     levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
     images = {f"Level {k}": level.image for k, level in enumerate(levels)}
     heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
-    known = {
-        "Capture Point": record.capture_point,
-        "Falloff": spec.influence_falloff,
-        "Normal Fade": spec.influence.normal_fade,
-        "Probe Weight": spec.influence.weight,
-        **_following(spec, effects.correction),
-    }
+    known = known_values(spec, record, effects.correction)
     if shares is None:
         shares = probe.pcc_probe.group is not None and bool(marks.noted(probe.pcc_probe.group, _SHARES))
     recipe = f"{VERSION} {groups.VERSION} {effects.label} {heights} {shares}"
     changing = {*known, *DRIVEN}
     tree = _group_of(probe, recipe, changing)
     if built.is_built(tree, recipe, changing):
-        _change(tree, probe, images, known)
+        change(tree, probe, images, known)
     else:
         formula = lookup.probe(effects, heights, known, shares=shares)
         tree.animation_data_clear()
-        given = _given(tree, probe)
-        emit(tree, formula.outputs, Surroundings(given, images, groups.formula_group, frozenset(images)))
+        fed = given(tree, probe)
+        emit(tree, formula.outputs, Surroundings(fed, images, groups.formula_group, frozenset(images)))
         built.note_built(tree, recipe, changing)
     marks.note(tree, marks.VERSION, VERSION)
     marks.note(tree, _BUILT_FOR, _place(probe))
@@ -133,6 +128,17 @@ def follow_afar(tree: bpy.types.ShaderNodeTree, spec: ProbeSpec) -> None:
                 socket.default_value = value  # which asks for another update
 
 
+def known_values(spec: ProbeSpec, record: Sidecar, correction: Correction) -> dict[str, Operand]:
+    """What is the same for all points that a probe's group is asked about, by the formula's inputs."""
+    return {
+        "Capture Point": record.capture_point,
+        "Falloff": spec.influence_falloff,
+        "Normal Fade": spec.influence.normal_fade,
+        "Probe Weight": spec.influence.weight,
+        **_following(spec, correction),
+    }
+
+
 def _following(spec: ProbeSpec, correction: Correction) -> dict[str, Operand]:
     faces = {name: tuple(float(v) for v in values) for name, values in spec.shown_faces(correction).items()}
     return {"Padding": spec.influence_padding, "Boundary": spec.boundary, **faces}
@@ -158,7 +164,7 @@ def _group_of(probe: bpy.types.Object, recipe: str, changing: Collection[str]) -
     return tree
 
 
-def _change(
+def change(
     tree: bpy.types.ShaderNodeTree,
     probe: bpy.types.Object,
     images: Mapping[str, bpy.types.Image],
@@ -175,7 +181,9 @@ def _change(
                 socket.default_value = value
 
 
-def _given(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> dict[str, Callable[[], bpy.types.NodeSocket]]:
+def given(
+    tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, of_surface: Sequence[str] = ("Position",)
+) -> dict[str, Callable[[], bpy.types.NodeSocket]]:
     """What feeds the formula's inputs that every surface has, and those that follow the probe."""
     rows = iter(range(len(DRIVEN)))
     made: list[bpy.types.Node] = []
@@ -196,4 +204,5 @@ def _given(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> dict[str,
             node.parent = frames[0]
         return socket
 
-    return {"Position": partial(geometry, "Position"), **{name: partial(driven, name) for name in DRIVEN}}
+    of_all = {name: partial(geometry, name) for name in of_surface}
+    return of_all | {name: partial(driven, name) for name in DRIVEN}

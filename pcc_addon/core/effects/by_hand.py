@@ -1,0 +1,98 @@
+"""What shaders made by hand get of a probe: the radiance along any direction, the influence, how far the box is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+
+from ..expression import (
+    Calls,
+    Expr,
+    Formula,
+    Operand,
+    Section,
+    length,
+    multiply_add,
+    normalize,
+    reflect,
+    scalar,
+    sign,
+    vector,
+)
+from .lookup import (
+    CENTRE,
+    DIRECTION,
+    INCOMING,
+    MIRRORED,
+    NORMAL,
+    OFFSET,
+    POSITION,
+    along_face_normals,
+    lookup_formula,
+    nearness,
+    read_picture,
+)
+from .records import Correction, LookupEffects, Outside
+from .roughness import mixed_formula
+
+SHOWN = scalar("Shown")  # 1, and 0 while probes are captured: they must not see what they show
+SURFACE_NORMAL = vector("Surface Normal")  # unit
+
+
+def given_or(given: Expr, own: Expr) -> Expr:
+    """A vector of length 1 along the given one; `own` where that is zero, as sockets are that nothing is linked to."""
+    return multiply_add(own, 1.0 - sign(length(given)), normalize(given))
+
+
+MIRRORED_VIEW = Formula("Mirrored View", {"Direction": reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0})
+"""The direction in which a mirror of the normal "Normal" sends the view; where that is zero, of the surface's own."""
+
+
+@cache
+def distance_formula(correction: Correction) -> Formula:
+    """How far along the unit input "Direction", from "Offset" beside the surface, the box's wall lies, metres.
+
+    Next to nothing where the point is on the wall or beyond it and the ray does not return.
+    """
+    q, d = (along_face_normals(correction, v) for v in (CENTRE - (POSITION + OFFSET), DIRECTION))
+    return Formula(f"Distance, {correction.words}", {"Distance": 1.0 / nearness(q, d)})
+
+
+def by_hand(
+    effects: LookupEffects,
+    heights: Mapping[str, int],
+    rungs: Sequence[float],
+    known: Mapping[str, Operand] | None = None,
+) -> Formula:
+    """What a probe gives to any shader, along the input "Direction", or the mirrored view where that is zero.
+
+    Args:
+        effects: of the lookup; whatever the probe does outside its influence, here "Weight" tells.
+        heights: the rows of its pictures, sharpest first, by the names of `roughness.level_name`.
+        rungs: their roughnesses.
+        known: values of inputs that are the same for all points, as for `lookup.probe`.
+
+    Returns:
+        A formula with "Radiance" at the input "Roughness", times the input "Shown"; "Weight", the influence, 0 … 1;
+        "Distance" of `distance_formula`.
+    """
+    corrected = effects.correction is not Correction.NONE
+    shown = replace(effects, outside=Outside.OWN) if corrected else effects
+    values = {**(known or {}), "Direction": Section("Direction", given_or(DIRECTION, MIRRORED))}
+    found = _with(lookup_formula(shown), values)
+    levels = {name: Section("Pictures", read_picture(name, rows, found["Direction"])) for name, rows in heights.items()}
+    mixed = _with(mixed_formula(tuple(rungs)), levels)["Radiance"]
+    box = effects.correction if corrected else Correction.ORIENTED_BOX
+    return Formula(
+        "By Hand",
+        {
+            "Radiance": mixed * SHOWN,
+            "Weight": found["Weight"],
+            "Distance": _with(distance_formula(box), values)["Distance"],
+        },
+    )
+
+
+def _with(formula: Formula, values: Mapping[str, Operand]) -> Calls:
+    return formula(**{name.replace(" ", "_"): value for name, value in values.items() if name in formula.inputs})
