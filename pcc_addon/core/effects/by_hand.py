@@ -81,6 +81,9 @@ def by_hand(
     shown = replace(effects, outside=Outside.OWN) if corrected else effects
     values = {**(known or {}), "Direction": Section("Direction", given_or(DIRECTION, MIRRORED))}
     found = _with(lookup_formula(shown), values)
+    weight: Expr = found["Weight"]
+    if "Presence" in found.formula.outputs:
+        weight = weight * found["Presence"]
     levels = {name: Section("Pictures", read_picture(name, rows, found["Direction"])) for name, rows in heights.items()}
     mixed = _with(mixed_formula(tuple(rungs)), levels)["Radiance"]
     box = effects.correction if corrected else Correction.ORIENTED_BOX
@@ -88,7 +91,7 @@ def by_hand(
         "By Hand",
         {
             "Radiance": mixed * SHOWN,
-            "Weight": found["Weight"],
+            "Weight": weight,
             "Distance": _with(distance_formula(box), values)["Distance"],
         },
     )
