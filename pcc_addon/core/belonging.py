@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -119,6 +119,26 @@ def layered(probes: Sequence[str], specs: Mapping[str, ProbeSpec]) -> list[str]:
 def _volume(probe: ProbeSpec) -> float:
     """Of the box, in half widths; the same for boxes that differ by rounding."""
     return float(f"{np.prod(probe.box.half_widths):.5g}")
+
+
+def vessels(placements: Sequence[PlacementReading], clear: Collection[str]) -> set[str]:
+    """Those of some materials whose objects have others inside their bounds, by the others' middles."""
+    middles = np.array([placement.corners.mean(0) for placement in placements])
+    found = set()
+    for placement in placements:
+        worn = set(placement.materials) & set(clear)
+        if not worn:
+            continue
+        corner, edges = placement.corners[0], placement.corners[[4, 2, 1]] - placement.corners[0]
+        squares = np.maximum((edges**2).sum(-1), 1e-30)
+        within = (np.abs((middles - corner) @ edges.T / squares - 0.5) < _WELL_INSIDE).all(-1)
+        others = {placements[k].object for k in within.nonzero()[0].tolist()} - {placement.object}
+        if others:
+            found |= worn
+    return found
+
+
+_WELL_INSIDE = 0.49  # of a side, from its middle
 
 
 def _bounds(probes: Sequence[ProbeSpec]) -> tuple[np.ndarray, np.ndarray]:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .belonging import Belongings, belongings
-from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of
+from .belonging import Belongings, belongings, vessels
+from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of, may_transmit
 from .effects.records import LookupEffects
 from .effects.surface import SurfaceEffects, surface_effects
 from .effects.transmission import Interface
@@ -177,12 +177,15 @@ def _interfaces(scene: SceneReading) -> dict[str, Interface]:
         tally = areas.setdefault(wall.material, {})
         tally[kind] = tally.get(kind, 0.0) + wall.area
     found = {name: max(tally, key=lambda kind: (tally[kind], kind.value)) for name, tally in areas.items()}
+    found |= dict.fromkeys(vessels(scene.placements, set(areas)), Interface.VESSEL)
     return found | {material.name: Interface.PANE for material in scene.materials if material.slab}
 
 
 def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool, interface: Interface) -> SurfacePlan:
     roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
     reasons = list(_refusals(surface, roughness, limit))
+    if interface is Interface.VESSEL and surface.kind in KINDS and may_transmit(surface):
+        reasons.append("is seen through, and other objects stand inside what it covers, which no probe could show")
     effects = None if reasons or surface.kind not in KINDS else surface_effects(surface, interface)
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
     if effects is None:

@@ -514,6 +514,19 @@ def test_most_of_what_a_material_covers_says_how_often_light_is_bent(
     assert any("no far side" in reason for reason in plan.reasons) == (expected is Interface.ONCE)
 
 
+def test_glass_around_other_things_is_left_to_the_renderer() -> None:
+    glass = material("Glass", surface("Clear", Transmission_Weight=1.0), surface("Label"))
+    bottle, liquid = placement("Bottle", "Glass"), placement("Liquid", "Wine", size=(0.2, 0.2, 0.2))
+    beside = placement("Liquid", "Wine", x=0.7)
+    for other, served in ((liquid, ("Label",)), (beside, ("Clear", "Label"))):
+        plan = plan_of(glass, walls=(wall(0.01),), placements=(bottle, other))
+        assert tuple(name for (name,) in sorted(plan.served)) == served
+    [clear] = [s for s in plan_of(glass, walls=(wall(0.01),), placements=(bottle, liquid)).surfaces if not s.effects]
+    assert "other objects stand inside" in clear.reasons[0]
+    slab = material("Glass", surface(Transmission_Weight=1.0), slab=True)
+    assert plan_of(slab, walls=(wall(0.01),), placements=(bottle, liquid)).served, "as its user says"
+
+
 def test_captures_see_through_glass_and_see_no_reflections() -> None:
     assert planned(surface(Transmission_Weight=0.5)).captured_whole
     for more in ({}, {"Metallic": 1.0}, {"Transmission_Weight": 1.0, "Metallic": 1.0}):

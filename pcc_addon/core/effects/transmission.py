@@ -47,10 +47,11 @@ class Interface(str, Enum):
     ONCE = "ONCE"  # a surface with the medium behind it
     SOLID = "SOLID"  # going in and coming out at another angle
     PANE = "PANE"  # going in and coming out in parallel
+    VESSEL = "VESSEL"  # other things stand in it, which no probe could show
 
     @property
     def words(self) -> str:
-        return {"ONCE": "one interface", "SOLID": "solid", "PANE": "thin pane"}[self.value]
+        return {"ONCE": "one interface", "SOLID": "solid", "PANE": "thin pane", "VESSEL": "vessel"}[self.value]
 
 
 @dataclass(frozen=True)
