@@ -14,6 +14,7 @@ from pcc_addon.blender import marks
 from pcc_addon.blender.read.materials import read_material
 from pcc_addon.blender.read.probes import bake_record, probe_spec
 from pcc_addon.blender.shade import by_hand, injection
+from pcc_addon.blender.shade.probe_group import known_values
 from pcc_addon.blender.status import stale_probes
 from pcc_addon.blender.store.levels import ensure_levels, store
 from pcc_addon.core.backends.arrays import evaluate
@@ -67,12 +68,18 @@ def quads(count: int) -> np.ndarray:
     return np.stack([k % width + 0.5, k // width + 0.5, np.zeros(count)], -1)
 
 
-@pytest.mark.parametrize("correction", ["BOX", "NONE"])
-def test_a_group_computes_the_formula(scene, correction: str) -> None:
+ALL_SETTINGS = {"weight": 0.5, "normal_fade": 0.4, "influence_low": (0.2, 0.0, 0.1)}
+
+
+@pytest.mark.parametrize(
+    ("correction", "settings"), [("BOX", {}), ("NONE", {}), ("BOX", ALL_SETTINGS), ("NONE", {"weight": 0.5})]
+)
+def test_a_group_computes_the_formula(scene, correction: str, settings: dict) -> None:
     """Around a turned box, in and outside its influence, with the direction given and not."""
     count = 60
     probe = small_probe(rotation=(0.3, 0.2, 0.5), capture_offset=(0.3, -0.2, 0.1))
-    probe.pcc_probe.correction, probe.pcc_probe.falloff = correction, 0.5
+    for name, value in {"correction": correction, "falloff": 0.5, **settings}.items():
+        setattr(probe.pcc_probe, name, value)
     pretend_bake(probe)
     gradient(probe)
     tree = by_hand.group_for(probe)
@@ -85,16 +92,13 @@ def test_a_group_computes_the_formula(scene, correction: str) -> None:
     }
     found = evaluate_group(tree, inputs)
     spec, record = probe_spec(probe), bake_record(probe)
-    box = spec.box
+    box, effects = spec.box, spec.effects(Receivers(), record.capture_point)
     values = {
         "Position": quads(count),
         "Incoming": np.broadcast_to(UP, (count, 3)),
         "Normal": np.broadcast_to(UP, (count, 3)),
         "Shown": 1.0,
-        "Capture Point": record.capture_point,
-        "Padding": spec.influence_padding,
-        "Falloff": spec.influence_falloff,
-        "Boundary": spec.boundary,
+        **known_values(spec, record, effects.correction),
         "Box Centre": box.centre,
         "Half Widths": box.half_widths,
         **{f"Face Normal {axis}": box.face_normals[k] for k, axis in enumerate("XYZ")},
@@ -102,13 +106,14 @@ def test_a_group_computes_the_formula(scene, correction: str) -> None:
     heights = {f"Level {k}": 16 for k in range(len(LADDER))}
     pictures = {f"Level {k}": picture(probe, r) for k, r in enumerate(LADDER)}
     expected = evaluate(
-        formula.by_hand(spec.effects(Receivers(), record.capture_point), heights, LADDER).outputs,
+        formula.by_hand(effects, heights, LADDER).outputs,
         {name: np.asarray(value, np.float32) for name, value in (inputs | values).items()},
         np.float32,
         pictures,
     )
     if correction == "BOX":
-        assert 0.0 < np.mean(expected["Weight"] == 1.0) < 1.0 and np.min(expected["Weight"]) == 0.0
+        assert np.min(expected["Weight"]) == 0.0
+    assert np.max(expected["Weight"]) == settings.get("weight", 1.0)
     for name, tolerance in (("Radiance", 2e-3), ("Weight", 1e-4)):
         shape = found[name].shape
         np.testing.assert_allclose(found[name], np.broadcast_to(expected[name], shape), atol=tolerance)

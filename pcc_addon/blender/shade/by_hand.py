@@ -40,7 +40,7 @@ INPUTS = (
 )
 OUTPUTS = (
     Socket("Radiance", "NodeSocketColor", "Light that arrives along the direction. Black while probes are captured"),
-    Socket("Weight", "NodeSocketFloat", "The probe's influence here: 1 inside, fading to 0 over the falloff outside"),
+    Socket("Weight", "NodeSocketFloat", "The probe's influence here, 0 to 1, fading to 0 over the falloff outside"),
     Socket("Distance", "NodeSocketFloat", "Metres along the direction to the wall of the probe's box"),
 )
 _VIEW_INPUTS = (Socket("Normal", "NodeSocketVector", "World space, of any length. Unlinked: the surface's own"),)
