@@ -19,6 +19,7 @@ from pcc_addon.blender.status import stale_probes
 from pcc_addon.blender.store.levels import ensure_levels, store
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import by_hand as formula
+from pcc_addon.core.errors import PccError
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.probe import Receivers
 from pcc_addon.ui import by_hand as ui
@@ -118,7 +119,9 @@ def test_a_group_computes_the_formula(scene, correction: str, settings: dict) ->
         shape = found[name].shape
         np.testing.assert_allclose(found[name], np.broadcast_to(expected[name], shape), atol=tolerance)
     inside = (np.abs(box.coordinates(position)) < box.half_widths - 0.01).all(-1)
-    np.testing.assert_allclose(found["Distance"][inside], expected["Distance"][inside], rtol=1e-3)
+    ray = np.where(inputs["Direction"].any(-1, keepdims=True), 0.5 * inputs["Direction"], UP)
+    ends = box.coordinates(position + ray * found["Distance"][:, None])[inside]
+    np.testing.assert_allclose(np.abs(ends / box.half_widths).max(-1), 1.0, atol=1e-3)
 
 
 def test_every_socket_is_documented(probe) -> None:
@@ -180,6 +183,14 @@ def test_an_unbaked_probe_is_refused_by_name(wall) -> None:
     with pytest.raises(RuntimeError, match="'Probe' has no bake"):
         add(probe, wall)
     assert not bpy.data.node_groups
+
+
+def test_a_missing_picture_is_an_error_that_leaves_no_group(probe, wall) -> None:
+    bpy.data.images.remove(probe.pcc_probe.levels[0].image)
+    before = set(bpy.data.node_groups)
+    with pytest.raises(PccError, match="'Probe'"):
+        by_hand.group_for(probe)
+    assert set(bpy.data.node_groups) == before
 
 
 class _Layout:
