@@ -6,7 +6,7 @@ _GROWN = (
     "probe.box.axes * (1.0 + margin / probe.box.half_widths) for probe, margin in zip(probes, margins, strict=True)"
 )
 _NEAR = "near = ((lows <= high) & (highs >= low)).all(1).nonzero()[0].tolist()"
-_MEAN = "return float(inside), float((distances / probe.box.half_widths).max(-1).mean())"
+_MEAN = "return float(probe.within_influence(points).mean()), float(distances.max(-1).mean())"
 _SHARED_DEPTH = "box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction"
 _NONE_LEFT = "return replace(shading, reflectance=single, left=shading.left * 0.0)"
 _CRITICAL = "return np.where(g2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)"
@@ -28,7 +28,7 @@ _CLEANED = (
     "cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST)"
     ".astype(np.float32)"
 )
-_FACE_OF = "index = 2 * axis + (np.take_along_axis(flat, axis[:, None], -1)[:, 0] < 0)"
+_FACE_OF = "index = 2 * axis + (np.take_along_axis(directions, axis[:, None], -1)[:, 0] < 0)"
 _GRID = 'u1, u2 = (a.ravel() for a in np.meshgrid(u, u, indexing="ij"))'
 _AVERAGES = (
     "def directional_averages("
