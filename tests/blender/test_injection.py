@@ -13,6 +13,7 @@ from pcc_addon.blender.shade import injection
 from pcc_addon.blender.shade.probe_group import shown_probe
 from pcc_addon.blender.shade.twin import is_torn, shown_probe_groups
 from pcc_addon.core.errors import PccError
+from pcc_addon.core.parts import Division
 from pcc_addon.core.plan import MaterialPlan
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import pretend_bake, put_in, save, small_probe
@@ -104,8 +105,10 @@ def test_the_largest_box_comes_first_and_equal_ones_by_name(scene) -> None:
         pretend_bake(probe)
     shown = {name: shown_probe(probe.pcc_probe.group) for name, probe in probes.items() if name != "Missing"}
     specs = {name: probe_spec(probe) for name, probe in probes.items()}
-    order = injection.order_of(MaterialPlan("Floor", tuple(sizes), (), (), ()), shown, specs)
-    assert order.probes == tuple(shown[name] for name in ("Hall", "A Room", "B Room", "Cupboard"))
+    order = injection.order_of(MaterialPlan("Floor", Division(tuple(sizes)), (), (), ()), tuple(sizes), shown, specs)
+    assert [probe.group for probe in order.probes] == [
+        shown[name].group for name in ("Hall", "A Room", "B Room", "Cupboard")
+    ]
 
 
 def test_mending_builds_again_what_was_deleted_and_touches_nothing_else(probe, monkeypatch) -> None:

@@ -205,9 +205,8 @@ def test_two_probes_are_mixed_by_place_the_smaller_over_the_larger(probe) -> Non
         for p in (probe, small)
     )
     assert large_node.location.y - small_node.location.y > 200.0, "drawn one below the other"
-    [start], [step] = called(material, "First Probe"), called(material, "Next Probe")
-    assert fed(start, "Depth") == (large_node, "Depth")
-    assert fed(step, "Depth") == (small_node, "Depth") and fed(step, "Distance") == (start, "Distance")
+    [step] = called(material, "Probe Over")
+    assert fed(step, "Depth") == (small_node, "Depth") and not called(material, "Outside")
     assert step.inputs["Fade"].default_value == pytest.approx(0.125)
     for name, node in (("Coverage", large_node), ("Weight", small_node)):
         if "Weight" in node.outputs:
@@ -407,7 +406,7 @@ def test_a_probe_that_fades_otherwise_fades_so_in_every_twin(probe) -> None:
     for falloff in (0.125, 0.5):
         small.pcc_probe.falloff = falloff
         put_in()
-        [step] = called(material, "Next Probe")
+        [step] = called(material, "Probe Over")
         assert step.inputs["Fade"].default_value == pytest.approx(falloff)
 
 

@@ -73,7 +73,7 @@ def _world(spec: ProbeSpec, scene: bpy.types.Scene) -> Generator[str, None, Envi
         override(stack, empty.cycles, "device", scene.cycles.device)
         for name in ("threads_mode", "threads"):
             override(stack, empty.render, name, getattr(scene.render, name))
-        stage = Stage(stack, empty, empty.view_layers[0])
+        stage = Stage(stack, empty, empty.view_layers[0], [spec])
         stage.aim(stack, spec)
         for index, face in enumerate(FACES):
             yield f"world, face {face.name}"
