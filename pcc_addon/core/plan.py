@@ -216,6 +216,9 @@ def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) ->
         yield f"its microfacets are {surface.distribution.replace('_', ' ').title()} (GGX would show a probe)"
     if surface.fresnel not in ("", "F82"):
         yield "has a physical conductor's curve (F82 Tint would show a probe)"
+    ior = surface.scalar("IOR") if surface.has("IOR") else None
+    if ior is not None and ior < 1.0 and roughness != 0.0:
+        yield "has an IOR below 1 (1 or more would show a probe, or a roughness of 0)"
     if roughness is not None and roughness > limit:
         yield f"its roughness {roughness:.3g} is above the scene's limit {limit:.3g}"
 

@@ -57,6 +57,11 @@ def test_a_plain_surface_is_served_and_says_its_roughness_and_effects() -> None:
     assert plan.path == ("Principled BSDF",) and plan.name == "Principled BSDF"
 
 
+def test_a_mirror_with_an_index_below_1_is_served() -> None:
+    plan = planned(surface(IOR=0.75, Roughness=0.0))
+    assert plan.effects is not None and plan.effects.effects[0].eta == 0.75
+
+
 def test_a_surface_in_groups_is_named_with_the_way_to_it() -> None:
     assert planned(replace(surface(), path=("Outer", "Inner", "Shiny"))).name == "Outer › Inner › Shiny"
 
@@ -64,6 +69,7 @@ def test_a_surface_in_groups_is_named_with_the_way_to_it() -> None:
 @pytest.mark.parametrize(
     ("inputs", "reason"),
     [
+        ({"IOR": 0.99}, "has an IOR below 1 (1 or more would show a probe, or a roughness of 0)"),
         ({"Anisotropic": -0.5}, ANISOTROPIC),
         ({"Anisotropic": None}, ANISOTROPIC),
         ({"Thin_Film_Thickness": 300.0}, FILM),

@@ -55,6 +55,7 @@ def light(
     level: float = 0.5,
     tint: tuple = WHITE,
     dtype: type = np.float64,
+    ior: float = 1.5,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Reflectance (n, 3) and the colour left for the diffuse part (n, 3), by the cosine of the view."""
     sine = np.sqrt(np.maximum(1.0 - cosines**2, 0.0))
@@ -64,6 +65,7 @@ def light(
         "Metallic": metallic,
         "Roughness": case.roughness,
         "Specular IOR Level": level,
+        "IOR": ior,
         "Specular Tint": np.array(tint),
         "Normal": np.array([0.0, 0.0, 1.0]),
         "Incoming": np.stack([sine, np.zeros_like(sine), cosines], -1),
@@ -356,3 +358,16 @@ def test_reflection_is_radiance_times_reflectance() -> None:
     )
     np.testing.assert_allclose(many["Reflection"], one["Reflection"] * [3.0, 0.0, 500.0])
     np.testing.assert_array_equal(many["Diffuse Color"], one["Diffuse Color"])
+
+
+@pytest.mark.parametrize("ior", [1.2, 1.33, 1.5, 1.8, 2.4])
+@pytest.mark.parametrize("roughness", [0.0, 0.1, 0.3, 0.6])
+def test_an_index_that_varies_reflects_what_it_would_everywhere(ior: float, roughness: float) -> None:
+    """Its lobe is that of a usual index: worst at grazing angles of small ones."""
+    case = surface_of(roughness, Dielectric(None, 1.5, None))
+    cosines = COSINES[3:]
+    found, left = light(case, cosines, ior=ior)
+    curve = lambda c: fresnel_dielectric(c, ior)  # noqa: E731
+    expected = lobe_integral(roughness, ior, curve) if roughness else curve(cosines)
+    np.testing.assert_allclose(found[:, 0], expected, atol=0.025 if ior == 1.2 else 0.012)
+    np.testing.assert_allclose(left[:, 0], 1.0 - found[:, 0], atol=1e-9)
