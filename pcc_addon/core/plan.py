@@ -10,7 +10,8 @@ import numpy as np
 from .belonging import Belongings, belongings, vessels
 from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of, may_transmit
 from .effects.records import LookupEffects
-from .effects.surface import SurfaceEffects, surface_effects
+from .effects.roughness import neighbours
+from .effects.surface import Ray, SurfaceEffects, surface_effects
 from .effects.transmission import Interface
 from .parts import Division, divide
 from .pictures import LADDER, PictureKey, PictureKind
@@ -51,6 +52,11 @@ class SurfacePlan:
     def name(self) -> str:
         """Its node, with the groups that lead to it."""
         return " › ".join(self.path)
+
+    def levels(self, rungs: Sequence[float], ray: Ray) -> range:
+        """Which levels of a ladder of ascending roughnesses it reads along one of its rays."""
+        low, high = self.roughness
+        return neighbours(rungs, low * ray.narrowing, high * ray.narrowing)
 
     @property
     def captured_whole(self) -> bool:

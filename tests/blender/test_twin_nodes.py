@@ -418,3 +418,15 @@ def test_a_weight_that_a_probe_newly_gives_reaches_the_twins_that_show_it(probe)
     assert fed(own, "Coverage")[1] == "Weight"
     live.refresh_probe(probe, 0.6, Receivers(all_inside=True, seen_from_outside=False))
     assert not called(material, "Own Lobe")
+
+
+def test_glass_reads_other_levels_once_its_roughness_calls_for_them_behind_it_alone(probe) -> None:
+    """What is seen through glass is less blurred than its reflection, so the two change levels at other roughnesses."""
+    material = injected(principled("Glass", Transmission_Weight=1.0, Roughness=0.5))
+    lit = called(material, "Reflectance")[0]
+    before = {name: fed(lit, name)[0].label for name in ("Radiance", "Transmitted Radiance")}
+    principled_node(material).inputs["Roughness"].default_value = 0.59
+    put_in()
+    lit = called(material, "Reflectance")[0]
+    after = {name: fed(lit, name)[0].label for name in before}
+    assert after["Radiance"] == before["Radiance"] and after["Transmitted Radiance"] != before["Transmitted Radiance"]

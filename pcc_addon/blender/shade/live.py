@@ -9,7 +9,6 @@ from dataclasses import replace
 import bpy
 
 from ...core.belonging import beside
-from ...core.effects.roughness import neighbours
 from ...core.effects.transmission import Interface
 from ...core.errors import ProbeError
 from ...core.plan import plan_surfaces
@@ -71,7 +70,7 @@ def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
         f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs} {shown.beside}" for shown in order.probes
     ]
     for path, surface in sorted(order.surfaces.items()):
-        levels = [neighbours(shown.rungs, *surface.roughness) for shown in order.probes]
+        levels = [surface.levels(shown.rungs, ray) for shown in order.probes for ray in surface.effects.rays]
         lines.append(
             f"{path} {surface.effects} {levels} {surface.handed_over} {surface.layered} {surface.bends_normals}"
         )

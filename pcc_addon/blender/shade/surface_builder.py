@@ -12,7 +12,7 @@ import bpy
 
 from ...core.effects import choice
 from ...core.effects.normal import VALID_NORMAL
-from ...core.effects.roughness import level_name, mixed_formula, neighbours
+from ...core.effects.roughness import level_name, mixed_formula
 from ...core.effects.surface import Ray
 from ...core.expression import Formula
 from ...core.plan import SurfacePlan
@@ -238,8 +238,7 @@ class SurfaceBuilder:
 
     def _radiance(self, shown: ShownProbe, probe: bpy.types.Node, ray: Ray, row: float) -> bpy.types.NodeSocket:
         """What a probe shows along a ray at the surface's roughness."""
-        low, high = self.plan.roughness
-        levels = neighbours(shown.rungs, low * ray.narrowing, high * ray.narrowing)
+        levels = self.plan.levels(shown.rungs, ray)
         if len(levels) == 1:
             return probe.outputs[level_name(levels[0])]
         formula = mixed_formula(tuple(shown.rungs[k] / ray.narrowing for k in levels))
