@@ -187,6 +187,10 @@ class Formula:
         for expr in self.outputs.values():
             yield from _parts(expr, seen)
 
+    def at(self, known: Mapping[str, Operand]) -> Calls:
+        """`__call__` with those of some values by name that are inputs of it."""
+        return self(**{name.replace(" ", "_"): value for name, value in known.items() if name in self.inputs})
+
     def __call__(self, **arguments: Operand) -> Calls:
         """Its outputs where inputs are given other expressions; underscores stand for spaces.
 

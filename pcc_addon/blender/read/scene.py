@@ -88,11 +88,7 @@ def missing_textures(view_layer: bpy.types.ViewLayer, world: bpy.types.World | N
 def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading, list[bpy.types.Material]]]:
     """Every object and instance that a render shows, and its materials; geometry nodes may assign others than slots."""
     found = []
-    for instance in _depsgraph(view_layer).object_instances:
-        evaluated = instance.object
-        if evaluated.type not in _SURFACES or evaluated.hide_render:
-            continue
-        matrix = np.array(instance.matrix_world, np.float64)
+    for evaluated, matrix in _shown(view_layer):
         corners = np.array(evaluated.bound_box, np.float64)[_BY_AXES] @ matrix[:3, :3].T + matrix[:3, 3]
         materials = _materials(evaluated)
         names = tuple(material.name_full for material in materials)
@@ -103,14 +99,18 @@ def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading,
 
 def _walls(view_layer: bpy.types.ViewLayer, clear: set[bpy.types.Material]) -> Iterator[WallReading]:
     """What clear materials cover of each object and instance that a render shows."""
-    for instance in _depsgraph(view_layer).object_instances:
-        evaluated = instance.object
-        if evaluated.type not in _SURFACES or evaluated.hide_render:
-            continue
+    for evaluated, matrix in _shown(view_layer):
         for material in _materials(evaluated):
-            wall = read_wall(evaluated, np.array(instance.matrix_world), material) if material in clear else None
+            wall = read_wall(evaluated, matrix, material) if material in clear else None
             if wall is not None:
                 yield wall
+
+
+def _shown(view_layer: bpy.types.ViewLayer) -> Iterator[tuple[bpy.types.Object, np.ndarray]]:
+    """The evaluated object and the (4, 4) float64 matrix of everything with a surface that a render shows."""
+    for instance in _depsgraph(view_layer).object_instances:
+        if instance.object.type in _SURFACES and not instance.object.hide_render:
+            yield instance.object, np.array(instance.matrix_world, np.float64)
 
 
 def _is_fixed(item: bpy.types.Object, shown: tuple[str, ...]) -> bool:

@@ -28,6 +28,11 @@ def note_built(tree: bpy.types.ShaderNodeTree, recipe: str, changing: Collection
     marks.note(tree, _RESULT, _result(tree, changing))
 
 
+def is_whole(tree: bpy.types.ShaderNodeTree) -> bool:
+    """Whether no group that it calls was deleted."""
+    return all(node.node_tree for node in tree.nodes if node.bl_idname == "ShaderNodeGroup")
+
+
 def is_built(tree: bpy.types.ShaderNodeTree, recipe: str, changing: Collection[str]) -> bool:
     """Whether a group was built by this recipe and nobody has changed it; pictures and places of nodes do not count."""
     return marks.noted(tree, _RECIPE) == recipe and marks.noted(tree, _RESULT) == _result(tree, changing)

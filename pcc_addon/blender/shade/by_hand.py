@@ -13,7 +13,6 @@ from ...core.effects import by_hand as formula
 from ...core.errors import BakeError
 from .. import marks
 from ..read.probes import bake_record, probe_spec
-from ..store.pictures import check_pixels
 from . import built, groups, probe_group
 from .drivers import DRIVEN, driven_object
 from .node_builder import Surroundings, declare_sockets, emit
@@ -87,9 +86,7 @@ def refresh(probe: bpy.types.Object) -> None:
 
 def is_current(probe: bpy.types.Object) -> bool:
     """Whether all groups of a probe for shaders made by hand are whole and of this version."""
-    trees = groups_of(probe)
-    whole = all(n.node_tree for tree in trees for n in tree.nodes if n.bl_idname == "ShaderNodeGroup")
-    return whole and all(marks.noted(tree, marks.VERSION) == VERSION for tree in trees)
+    return all(built.is_whole(tree) and marks.noted(tree, marks.VERSION) == VERSION for tree in groups_of(probe))
 
 
 def mirrored_view_group() -> bpy.types.ShaderNodeTree:
@@ -124,10 +121,7 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
         return
     # A user may put it on any surface, so nothing is known of those that show it.
     effects = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point, record.source)
-    levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
-    images = {f"Level {k}": level.image for k, level in enumerate(levels)}
-    heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
-    rungs = [level.roughness for level in levels]
+    rungs, images, heights = probe_group.shown_levels(probe)
     known = probe_group.known_values(spec, record, effects.correction)
     changing = {*known, *DRIVEN}
     recipe = f"{VERSION} {groups.VERSION} {effects.label} {heights} {rungs}"

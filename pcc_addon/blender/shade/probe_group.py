@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.effects import lookup
 from ...core.effects.records import Correction
+from ...core.effects.roughness import level_name
 from ...core.expression import Operand
 from ...core.probe import ProbeSpec, Receivers
 from ...core.sidecar import Sidecar
@@ -51,9 +52,7 @@ def refresh_group(
         return
     spec = probe_spec(probe)
     effects = spec.effects(receivers, record.capture_point, record.source)
-    levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
-    images = {f"Level {k}": level.image for k, level in enumerate(levels)}
-    heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
+    rungs, images, heights = shown_levels(probe)
     known = known_values(spec, record, effects.correction)
     if shares is None:
         shares = probe.pcc_probe.group is not None and bool(marks.noted(probe.pcc_probe.group, _SHARES))
@@ -71,9 +70,21 @@ def refresh_group(
     marks.note(tree, marks.VERSION, VERSION)
     marks.note(tree, _BUILT_FOR, _place(probe))
     marks.note(tree, _EFFECTS, effects.label)
-    marks.note(tree, _RUNGS, [level.roughness for level in levels])
+    marks.note(tree, _RUNGS, rungs)
     marks.note(tree, _SHARES, shares)
     marks.note(tree, _FADE, spec.influence_falloff)
+
+
+def shown_levels(probe: bpy.types.Object) -> tuple[list[float], dict[str, bpy.types.Image], dict[str, int]]:
+    """The roughnesses of a baked probe's levels, ascending, and by the names of its outputs their pictures and heights.
+
+    Raises:
+        BakeError: a picture is missing or cannot be read.
+    """
+    levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
+    images = {level_name(k): level.image for k, level in enumerate(levels)}
+    heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
+    return [level.roughness for level in levels], images, heights
 
 
 def shown_probe(tree: bpy.types.ShaderNodeTree) -> ShownProbe:
@@ -101,7 +112,7 @@ def is_current(probe: bpy.types.Object) -> bool:
     tree = probe.pcc_probe.group
     return (
         tree is not None
-        and all(node.node_tree for node in tree.nodes if node.bl_idname == "ShaderNodeGroup")
+        and built.is_whole(tree)
         and marks.role(tree) == ROLE
         and marks.noted(tree, marks.VERSION) == VERSION
         and driven_object(tree) == probe

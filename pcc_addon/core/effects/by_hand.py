@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import cache
 
 from ..expression import (
-    Calls,
     Expr,
     Formula,
     Operand,
@@ -80,22 +79,18 @@ def by_hand(
     corrected = effects.correction is not Correction.NONE
     shown = replace(effects, outside=Outside.OWN) if corrected else effects
     values = {**(known or {}), "Direction": Section("Direction", given_or(DIRECTION, MIRRORED))}
-    found = _with(lookup_formula(shown), values)
+    found = lookup_formula(shown).at(values)
     weight: Expr = found["Weight"]
     if "Presence" in found.formula.outputs:
         weight = weight * found["Presence"]
     levels = {name: Section("Pictures", read_picture(name, rows, found["Direction"])) for name, rows in heights.items()}
-    mixed = _with(mixed_formula(tuple(rungs)), levels)["Radiance"]
+    mixed = mixed_formula(tuple(rungs)).at(levels)["Radiance"]
     box = effects.correction if corrected else Correction.ORIENTED_BOX
     return Formula(
         "By Hand",
         {
             "Radiance": mixed * SHOWN,
             "Weight": weight,
-            "Distance": _with(distance_formula(box), values)["Distance"],
+            "Distance": distance_formula(box).at(values)["Distance"],
         },
     )
-
-
-def _with(formula: Formula, values: Mapping[str, Operand]) -> Calls:
-    return formula(**{name.replace(" ", "_"): value for name, value in values.items() if name in formula.inputs})

@@ -53,9 +53,7 @@ class Lobe:
 
     def albedo(self) -> Expr:
         """What the lobe reflects of white light where every microfacet is a perfect mirror."""
-        loss = _by_powers(_albedo_fit(), self.roughness)
-        v = self.grazing
-        return 1.0 - v * multiply_add(v, multiply_add(v, multiply_add(v, loss[3], loss[2]), loss[1]), loss[0])
+        return self._without(_albedo_fit())
 
     def average_albedo(self) -> Expr:
         """The cosine-weighted mean of the albedo over all views, an expression of roughness alone."""
@@ -67,7 +65,11 @@ class Lobe:
         Args:
             eta: index of refraction; below 1 that of its inverse is taken.
         """
-        loss = _by_powers(_transmittance_fit(max(eta, 1.0 / eta)), self.roughness)
+        return self._without(_transmittance_fit(max(eta, 1.0 / eta)))
+
+    def _without(self, loss_fit: Coefficients) -> Expr:
+        """What a loss leaves that is fitted by the first four powers of `grazing`."""
+        loss = _by_powers(loss_fit, self.roughness)
         v = self.grazing
         return 1.0 - v * multiply_add(v, multiply_add(v, multiply_add(v, loss[3], loss[2]), loss[1]), loss[0])
 

@@ -16,7 +16,6 @@ from functools import cache, reduce
 from operator import mul
 
 from ..expression import (
-    Calls,
     Expr,
     Formula,
     Op,
@@ -269,7 +268,7 @@ def probe(
         A formula with a radiance for each picture, which it samples under the output's name; with "Weight" where
         surfaces keep some of their own lobe; and with "Depth" of `depth_formula` where it shares.
     """
-    found = _with(lookup_formula(effects), known or {})
+    found = lookup_formula(effects).at(known or {})
     corrected = effects.correction is not Correction.NONE
     outputs = {}
     for name, height in heights.items():
@@ -282,9 +281,5 @@ def probe(
         outputs["Weight"] = reduce(mul, left)
     if shares:
         box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction
-        outputs["Depth"] = _with(depth_formula(box, effects.per_face), known or {})["Depth"]
+        outputs["Depth"] = depth_formula(box, effects.per_face).at(known or {})["Depth"]
     return Formula("Probe", outputs)
-
-
-def _with(formula: Formula, known: Mapping[str, Operand]) -> Calls:
-    return formula(**{name.replace(" ", "_"): value for name, value in known.items() if name in formula.inputs})

@@ -147,9 +147,9 @@ class Transmission:
         lobe = shading.lobe
         if self.ior is not None and abs(self.ior - 1.0) < _NO_STEP:
             return lift(0.0), lift(1.0)
-        most = max(self._usual, 1.0 / self._usual)
         if not self.mirrors:
-            return lift(0.0), lobe.transmittance(most)
+            return lift(0.0), lobe.transmittance(self._usual)
+        most = max(self._usual, 1.0 / self._usual)
         index = IOR if self.ior is None else lift(self.ior)
         facet = fresnel(lobe.effective_cosine(curve_position(most), f0_from_ior(most)), self._eta(index))
         tinted = facet
@@ -157,7 +157,7 @@ class Transmission:
             f0 = f0_from_ior(index)
             position = (facet - f0) / (1.0 - f0)
             tinted = maximum(mix(SPECULAR_TINT * f0, 1.0, position), 0.0)
-        mirrored, passed = lobe.albedo() * tinted, lobe.transmittance(most) * (1.0 - facet)
+        mirrored, passed = lobe.albedo() * tinted, lobe.transmittance(self._usual) * (1.0 - facet)
         if not shading.keeps_energy:
             return mirrored, passed
         all_of_it = lobe.albedo() * facet + passed
@@ -184,7 +184,7 @@ def _root(color: Expr) -> Expr:
 def refracted(direction: Expr, normal: Expr, eta: Expr) -> tuple[Expr, Expr]:
     """The direction in which an interface bends a ray, unit, and whether it does, 1 or 0.
 
-    Where all light is mirrored the direction is that of the mirrored ray.
+    Where it does not, since all light is mirrored, the direction means nothing.
 
     Args:
         direction: of the ray, unit.
