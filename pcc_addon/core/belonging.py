@@ -28,6 +28,7 @@ class Belongings:
         touching: by probe: the materials of objects that belong to it and reach to its box or beyond.
         needs: by material, by object: the probes that its points may show, those that it hardly reaches included.
         refused: by material, by object: the probes whose influence it reaches and that it is not to show.
+        refusing: by probe: the objects in its influence that are not to show it.
         fixed: by material: its objects that cannot wear a copy of it.
     """
 
@@ -36,6 +37,7 @@ class Belongings:
     touching: dict[str, set[str]] = field(default_factory=dict)
     needs: dict[str, dict[str, set[str]]] = field(default_factory=dict)
     refused: dict[str, dict[str, set[str]]] = field(default_factory=dict)
+    refusing: dict[str, set[str]] = field(default_factory=dict)
     fixed: dict[str, set[str]] = field(default_factory=dict)
 
 
@@ -82,6 +84,8 @@ def _note_refused(found: Belongings, placement: PlacementReading, probes: Sequen
     for material in placement.materials if probes else ():
         found.refused.setdefault(material, {}).setdefault(placement.object, set()).update(probes)
         found.needs.setdefault(material, {}).setdefault(placement.object, set())
+        for probe in probes:
+            found.refusing.setdefault(probe, set()).add(placement.object)
 
 
 def _needed(best: ProbeSpec, reached: Sequence[ProbeSpec], corners: np.ndarray) -> list[str]:

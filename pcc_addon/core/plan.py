@@ -159,7 +159,11 @@ def make_plan(scene: SceneReading) -> Plan:
             surfaces = plan_surfaces(material, scene.roughness_limit, shapes.get(material.name, Interface.SOLID))
             materials.append(_plan_material(material, owners, found, surfaces))
     read = {probe.name: probe for probe in scene.probes}
-    probes = [_plan_probe(spec, materials, found, scene.cameras, read[spec.name]) for spec in specs]
+    showing: dict[str, list[MaterialPlan]] = {spec.name: [] for spec in specs}
+    for plan in materials:
+        for probe in plan.probes:
+            showing[probe].append(plan)
+    probes = [_plan_probe(spec, showing[spec.name], found, scene.cameras, read[spec.name]) for spec in specs]
     return Plan(tuple(probes), tuple(materials), tuple(notes))
 
 
@@ -271,7 +275,7 @@ def _plan_probe(
     cameras: Sequence[CameraReading],
     reading: ProbeReading,
 ) -> ProbePlan:
-    showing = [material.material for material in materials if spec.name in material.probes]
+    showing = [material.material for material in materials]
     shared = [m.material for m in materials if m.division.blends(spec.name)]
     outside = [name for name in showing if name in found.leaving.get(spec.name, ())]
     touching = [name for name in showing if name in found.touching.get(spec.name, ())]
@@ -290,7 +294,7 @@ def _plan_probe(
         )
     if lookup.stretched:
         reasons.append("its picture was not captured in its box, so it is stretched to it and turns with it")
-    refusing = sorted({item for by in found.refused.values() for item, names in by.items() if spec.name in names})
+    refusing = sorted(found.refusing.get(spec.name, ()))
     if refusing:
         reasons.append(f"{_named(refusing)} in its influence are not to show it")
     if shared:

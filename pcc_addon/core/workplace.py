@@ -40,12 +40,13 @@ def aside(path: Path) -> Path:
 def remove_abandoned(prefix: str, parent: Path) -> None:
     """Remove what processes of this machine made that run no more; whatever cannot be told stays."""
     with contextlib.suppress(OSError):
-        for path in parent.iterdir():
-            if path.name.startswith(prefix) and not path.is_symlink() and _is_abandoned(path.name[len(prefix) :]):
-                if path.is_dir():
-                    shutil.rmtree(path, ignore_errors=True)
+        signed = [entry for entry in os.scandir(parent) if entry.name.startswith(prefix)]
+        for entry in signed:
+            if not entry.is_symlink() and _is_abandoned(entry.name[len(prefix) :]):
+                if entry.is_dir():
+                    shutil.rmtree(entry.path, ignore_errors=True)
                 else:
-                    path.unlink(missing_ok=True)
+                    Path(entry.path).unlink(missing_ok=True)
 
 
 def _signed(prefix: str) -> str:

@@ -31,9 +31,7 @@ def metallic(material: bpy.types.Material, value: float | None = None) -> float:
     """The metalness of a material's surface, which may be set; returns what its twin repeats."""
     if value is not None:
         principled_node(material).inputs["Metallic"].default_value = value
-    return (
-        next(n for n in material.node_tree.nodes if n.name.startswith("PCC Surface")).inputs["Metallic"].default_value
-    )
+    return next(n for n in material.node_tree.nodes if n.label == "Reflectance").inputs["Metallic"].default_value
 
 
 @pytest.fixture

@@ -34,7 +34,7 @@ def mend() -> None:
 def tear(material: bpy.types.Material) -> None:
     """Delete a group that its twin needs, as if the add-on were not there to see it."""
     with handlers.paused():
-        next(n for n in material.node_tree.nodes if n.name.startswith("PCC Surface")).node_tree = None
+        next(n for n in material.node_tree.nodes if n.label == "Reflectance").node_tree = None
         bpy.context.view_layer.update()
     assert is_torn(material)
 

@@ -20,7 +20,7 @@ def update() -> None:
 
 
 def surface_group_node(material: bpy.types.Material) -> bpy.types.Node:
-    return next(n for n in material.node_tree.nodes if n.name.startswith("PCC Surface"))
+    return next(n for n in material.node_tree.nodes if n.label == "Reflectance")
 
 
 @pytest.fixture

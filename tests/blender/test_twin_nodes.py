@@ -98,7 +98,7 @@ def test_the_reflection_is_of_the_radiance_between_two_levels_of_the_probe(probe
     material = injected(rough())
     [lit], [shown] = (
         called(material, "Reflectance"),
-        [n for n in ours(material, "ShaderNodeGroup") if "Probe of" in n.name],
+        [n for n in ours(material, "ShaderNodeGroup") if n.node_tree == probe.pcc_probe.group],
     )
     between, radiance = fed(lit, "Radiance")
     assert radiance == "Radiance" and between.inputs["Roughness"].default_value == pytest.approx(0.3)

@@ -26,7 +26,7 @@ def test_each_engine_shows_the_twin_of_its_own_output(probe) -> None:
     show(material)
     put_in()
     for engine, original in before.items():
-        assert material.node_tree.get_output_node(engine).name == f"PCC {original}"
+        assert material.node_tree.get_output_node(engine).label == f"{original}, Parallax Probe"
     remove()
     assert {engine: material.node_tree.get_output_node(engine).name for engine in before} == before
 

@@ -27,7 +27,7 @@ _SENSOR = 36.0
 _RAYS_OF_AN_OBJECT = 32
 # Probes whose faces one render gives: what it costs whatever it shows is shared by so many. Not more, since nobody can
 # stop it meanwhile (all its probes go over at most so many objects: seconds) and since all its pixels are held at once.
-_TOGETHER, _OBJECTS_TOGETHER, _PIXELS_TOGETHER = 16, 2**16, 2**22
+_TOGETHER, _OBJECTS_TOGETHER, _PIXELS_TOGETHER = 32, 2**16, 2**22
 
 
 class Stage:

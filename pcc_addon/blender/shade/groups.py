@@ -15,10 +15,10 @@ _FORMULA = "formula: "  # how the roles of these groups begin
 
 def formula_group(formula: Formula) -> bpy.types.ShaderNodeTree:
     """The group of a formula; built where there is none, rebuilt in place where an older version built it."""
-    role = _FORMULA + formula.title
-    tree = _known(role)
+    role, name = _FORMULA + formula.title, f"PCC {formula.title}"
+    tree = _known(role, name)
     if tree is None:
-        tree = bpy.data.node_groups.new(f"PCC {formula.title}", "ShaderNodeTree")
+        tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
         marks.tag(tree, role)
     if marks.noted(tree, marks.VERSION) != VERSION:
         marks.note(tree, marks.VERSION, VERSION)
@@ -43,5 +43,9 @@ def drop_unused_groups() -> None:
             bpy.data.node_groups.remove(tree)
 
 
-def _known(role: str) -> bpy.types.ShaderNodeTree | None:
+def _known(role: str, name: str) -> bpy.types.ShaderNodeTree | None:
+    """The group with a role, which has this name unless a user gave it another."""
+    named = bpy.data.node_groups.get((name, None))
+    if named is not None and marks.role(named) == role:
+        return named
     return next((t for t in bpy.data.node_groups if marks.role(t) == role and not t.library), None)

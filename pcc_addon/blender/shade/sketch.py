@@ -20,6 +20,8 @@ _DROP = -700.0  # how far below the original its twin is drawn
 class Sketch:
     """Draws nodes of ours into one tree, each beside one of the user's.
 
+    They have labels and no names: Blender looks through all animations of a file for the old name of a renamed node.
+
     Attributes:
         tree: the node tree.
         scope: which group nodes lead to it.
@@ -86,7 +88,6 @@ class Sketch:
     def copy(self, node: bpy.types.Node) -> bpy.types.Node:
         """A node of the same type with the same settings, its inputs as they come."""
         copy = self.new(node.bl_idname, node)
-        copy.name = f"PCC {node.name}"
         common = {p.identifier for p in bpy.types.Node.bl_rna.properties}
         for prop in node.bl_rna.properties:
             value = getattr(node, prop.identifier)
@@ -106,7 +107,7 @@ class Sketch:
         if self._frame is None:
             self._frame = self.tree.nodes.new("NodeFrame")
             self._frame.select = False
-            self._frame.name = self._frame.label = "PCC Parallax Probes"
+            self._frame.label = "PCC Parallax Probes"
             marks.tag(self._frame, "frame")
         return self._frame
 

@@ -138,7 +138,7 @@ class SurfaceBuilder:
         """The group node that makes what reaches the eye of the radiance along each ray."""
         lit = self._new("ShaderNodeGroup", right=-240.0, row=row)
         lit.node_tree = groups.surface_group(self.plan.effects)
-        lit.name, lit.label = f"PCC Surface of {self.node.name}", "Reflectance"
+        lit.label = "Reflectance"
         radiances = {ray.radiance for ray in self.plan.effects.rays}
         for socket in lit.inputs:
             if socket.name in {"Normal", "Incoming", "Backfacing"}:
@@ -194,7 +194,7 @@ class SurfaceBuilder:
         for k, ray in enumerate(self.plan.effects.rays):
             probe = self._new("ShaderNodeGroup", right=-760.0, row=row + 0.5 * k)
             probe.node_tree = shown.group
-            probe.name, probe.label = f"PCC Probe of {self.node.name}", shown.group.name
+            probe.label = shown.group.name
             marks.tag(probe, PROBE)
             way = self._way(k)
             for name in ("Direction", "Offset"):

@@ -30,8 +30,7 @@ def add_twins(material: bpy.types.Material, order: TwinOrder) -> None:
         builder = TwinBuilder(tree, Scope(tree), order, material.name)
         twin = builder.sketch.new("ShaderNodeOutputMaterial", original, right=1000.0)
         marks.tag(twin, _OUTPUT)
-        twin.name = f"PCC {original.name}"
-        twin.label = "Parallax Probe"
+        twin.label = f"{original.label or original.name}, Parallax Probe"
         for socket in original.inputs:
             shader = socket.type == "SHADER" and socket.name == "Surface"
             feeding = builder.twin(socket) if shader else source(socket)

@@ -47,7 +47,6 @@ class TwinBuilder:
             return feeding
         if is_group:
             copy = self.sketch.new(node.bl_idname, node)
-            copy.name = f"PCC {node.name}"
             copy.node_tree = self._group(node)
         else:
             copy = self.sketch.copy(node)

@@ -75,10 +75,11 @@ def store(
                 leftovers.wrote(new)
             except OSError as error:
                 raise BakeError(_cannot_write(probe, folder, error)) from error
-            images = {
-                level.roughness: _linked(folder / level.file, own.get(_rung(level.roughness)), probe, level)
-                for level in described
-            }
+            images = {}
+            for level in described:
+                like = next(reversed(images.values()), None)
+                old = own.get(_rung(level.roughness))
+                images[level.roughness] = _linked(folder / level.file, old, like, probe, level)
     _keep(probe, record, images)
 
 
@@ -212,11 +213,17 @@ def _image_name(probe: bpy.types.Object, roughness: float) -> str:
     return f"PCC {probe.name} {roughness:.4f}"
 
 
-def _linked(path: Path, old: bpy.types.Image | None, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
+def _linked(
+    path: Path,
+    old: bpy.types.Image | None,
+    like: bpy.types.Image | None,
+    probe: bpy.types.Object,
+    level: sidecar.Level,
+) -> bpy.types.Image:
     if old is not None and not old.packed_file and Path(bpy.path.abspath(old.filepath)).resolve() == path:
         old.reload()
         return _named(old, probe, level)
-    return _in_place_of(old, pictures.load(path), probe, level)
+    return _in_place_of(old, pictures.load(path, like), probe, level)
 
 
 def _packed(path: Path, old: bpy.types.Image | None, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:

@@ -144,8 +144,18 @@ def is_whole(path: Path, width: int, height: int) -> bool:
         return tuple(at.read(path).size) == (width, height)  # that of a file that cannot be read is (0, 0)
 
 
-def load(path: Path) -> bpy.types.Image:
-    """The picture as a new data block for shaders."""
+def load(path: Path, like: bpy.types.Image | None = None) -> bpy.types.Image:
+    """The picture as a new data block for shaders.
+
+    Args:
+        path: its file.
+        like: another that was loaded so, is not packed and was not read yet; a copy of it is faster, since Blender
+            goes through all shaders of the file when the colour space of an image is set.
+    """
+    if like is not None:
+        image = like.copy()
+        image.filepath_raw = blend_path(path)
+        return image
     image = bpy.data.images.load(str(path))
     image.filepath_raw = blend_path(path)
     image.colorspace_settings.name = "Non-Color"
