@@ -125,7 +125,8 @@ def _follow(probe: bpy.types.Object, roughness_limit: float) -> None:
         record, spec = bake_record(probe), probe_spec(probe)
         if record is None:
             return
-        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point, record.source)
+        captured_at = record.capture_point_apart_from(spec.box.centre)
+        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
         if copied or probe_group.shown_effects(tree) != needed.label:
             live.refresh_probe(probe, roughness_limit)
         else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import lru_cache
 
 import bpy
 import numpy as np
@@ -44,11 +45,14 @@ def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types
 
 
 def hidden_objects(probe: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects that a probe's capture leaves out, by name."""
+    """The objects that a probe's capture leaves out, by name: those chosen, and what it follows with all its parts."""
     settings = probe.pcc_probe
     found = {item.object.name: item.object for item in settings.hidden_objects if item.object}
     if settings.hidden_collection:
         found.update({o.name: o for o in settings.hidden_collection.all_objects})
+    if settings.follow:
+        parts = (settings.follow, *settings.follow.children_recursive)
+        found.update({o.name: o for o in parts if o.type != "LIGHT" and not o.pcc_probe.is_probe})
     return [found[name] for name in sorted(found)]
 
 
@@ -71,6 +75,7 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         source=Source(settings.source),
         picture=bpy.path.abspath(settings.picture, library=probe.library) if settings.picture else "",
         influence=_influence(settings),
+        followed=tuple(settings.follow.matrix_world.translation) if settings.follow else None,
         **{name: getattr(settings, name) for name in _AS_SET},
     )
 
@@ -153,4 +158,10 @@ def bake_record(probe: bpy.types.Object) -> Sidecar | None:
         BakeError: the record is damaged or of a later version.
     """
     text = probe.pcc_probe.bake_record
-    return Sidecar.from_json(text, f"bake record of '{probe.name}'") if text else None
+    return _read_record(text, f"bake record of '{probe.name}'") if text else None
+
+
+@lru_cache(maxsize=64)
+def _read_record(text: str, origin: str) -> Sidecar:
+    """That of a sequence is long, and handlers ask for it again and again."""
+    return Sidecar.from_json(text, origin)
