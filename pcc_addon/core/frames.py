@@ -65,13 +65,15 @@ def parse_frames(text: str | None) -> FrameRange | None | str:
 
 def spans(frames: Iterable[int]) -> str:
     """Ascending frames in words: "1-3, 7, 12-20:2"."""
-    found: list[list[int]] = []
+    found: list[list[int]] = [[]]
     for frame in frames:
-        if found and (len(found[-1]) == 1 or frame - found[-1][-1] == found[-1][1] - found[-1][0]):
-            found[-1].append(frame)
-        else:
-            found.append([frame])
-    return ", ".join(part for run in found for part in _said(run))
+        run = found[-1]
+        if len(run) > 1 and frame - run[-1] != run[1] - run[0]:
+            lonely = len(run) == 2 and run[1] - run[0] > 1
+            run = [run.pop()] if lonely else []  # two that are apart are none; the second may begin one
+            found.append(run)
+        run.append(frame)
+    return ", ".join(part for run in found if run for part in _said(run))
 
 
 def _said(run: list[int]) -> list[str]:
