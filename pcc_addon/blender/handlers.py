@@ -43,7 +43,8 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
         return
     materials = {item for item in changed if isinstance(item, bpy.types.Material)}
     trees = {item for item in changed if isinstance(item, bpy.types.ShaderNodeTree) and not marks.role(item)}
-    if any(not tree.is_embedded_data for tree in trees):
+    edited = any(isinstance(item, bpy.types.Action) for item in changed)  # its keyframes may be those of inputs
+    if edited or any(not tree.is_embedded_data for tree in trees):
         materials.update(bpy.data.materials)
     if materials:
         live.follow(sorted(materials, key=lambda m: m.name_full), scene.pcc.roughness_limit)
