@@ -9,9 +9,11 @@ import bpy
 import numpy as np
 import pytest
 
+from pcc_addon.blender.bake import capture
 from pcc_addon.blender.bake.job import BakedProbe, BakeJob
 from pcc_addon.blender.read.probes import bake_record, hidden_objects, probe_spec
 from pcc_addon.blender.shade import by_hand
+from pcc_addon.blender.shade.interior import Window, interior_node, room_of_probe, window_material
 from pcc_addon.blender.status import ProbeStatus, stale_probes, statuses
 from pcc_addon.blender.store.levels import bake_folder, ensure_levels
 from pcc_addon.blender.store.pictures import read_file
@@ -275,7 +277,10 @@ def test_what_it_follows_does_not_make_frames_new_by_itself(blinking, scene, ren
     assert film(blinking, FrameRange(1, 2)).rendered == 1
 
 
-def test_two_probes_share_renders_of_a_frame_and_have_their_own_pictures(blinking, scene) -> None:
+@pytest.mark.parametrize("together", [False, True])
+def test_two_probes_share_renders_of_a_frame_but_not_of_another(blinking, scene, monkeypatch, together: bool) -> None:
+    """Nothing of a probe tells two frames apart here: neither it nor its settings change."""
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 2**30 if together else 0)
     other = small_probe("Other", half_extents=(1.0, 1.0, 0.5))
     results = BakeJob(scene, bpy.context.view_layer, [blinking, other], bake_folder(scene), FrameRange(1, 4)).run()
     assert [(r.probe, r.error, r.pictures) for r in results] == [("Probe", None, 2), ("Other", None, 2)]
@@ -327,3 +332,20 @@ def test_the_operator_takes_frames_and_refuses_what_is_no_range(blinking) -> Non
         bpy.ops.pcc.bake(frames="1")
     with pytest.raises(RuntimeError, match="ask for 1-5"):
         bpy.ops.pcc.bake_frames(first=5, last=1)
+
+
+def test_a_window_onto_the_room_plays_the_sequence(blinking, scene) -> None:
+    film(blinking, FrameRange(1, 4))
+    material = window_material("Window", Window((room_of_probe(blinking),)), {})
+    pane = bpy.data.meshes.new("Pane")
+    pane.materials.append(material)
+    scene.collection.objects.link(bpy.data.objects.new("Pane", pane))
+    for again in (False, True):
+        if again:
+            film(blinking, FrameRange(1, 4))
+        for frame, bright in ((3, 0.0), (1, 1.0)):
+            scene.frame_set(frame)
+            assert wall_seen(shown_file(interior_node(material).node_tree, "Room 0")) == pytest.approx(bright, abs=0.02)
+    film(blinking, STILL)
+    tree = interior_node(material).node_tree
+    assert not [c for c in tree.animation_data.drivers if c.driver.expression == "frame"]
