@@ -228,7 +228,8 @@ class PCC_OT_bake_frames(bpy.types.Operator):
         except PccError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        return bpy.ops.pcc.bake("INVOKE_DEFAULT", scope=self.scope, frames=frames.text)
+        started = bpy.ops.pcc.bake("INVOKE_DEFAULT", scope=self.scope, frames=frames.text)
+        return {"CANCELLED"} if "CANCELLED" in started else {"FINISHED"}  # that one may run on by itself
 
 
 _NOTHING_TO_BAKE = {

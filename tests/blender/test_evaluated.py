@@ -167,6 +167,10 @@ def unrendered_moved() -> None:
     animate(item, "location", (0.0, 1.0), 0)
 
 
+def hidden_in_viewports_and_still() -> None:
+    cube().hide_viewport = True
+
+
 def still_modifier() -> None:
     cube().modifiers.new("Subdivision", "SUBSURF")
 
@@ -175,7 +179,7 @@ def box_scaled() -> None:
     animate(bpy.data.objects["Probe"], "scale", (2.0, 2.5), 0)
 
 
-UNCHANGED = [nothing, camera_moved, unrendered_moved, still_modifier, box_scaled]
+UNCHANGED = [nothing, camera_moved, unrendered_moved, hidden_in_viewports_and_still, still_modifier, box_scaled]
 
 
 @pytest.mark.parametrize("change", UNCHANGED, ids=lambda f: f.__name__)

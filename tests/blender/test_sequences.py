@@ -277,6 +277,21 @@ def test_what_it_follows_does_not_make_frames_new_by_itself(blinking, scene, ren
     assert film(blinking, FrameRange(1, 2)).rendered == 1
 
 
+def test_what_viewports_leave_out_is_not_taken_for_standing_still(blinking, scene) -> None:
+    thing = blinking.pcc_probe.follow = follow_target(scene)
+    thing.hide_set(True)
+    assert film(blinking, FrameRange(1, 3)).pictures == 3, "what is only hidden moves"
+    thing.hide_viewport = True
+    assert "'Thing' is animated and disabled in viewports" in film(blinking, FrameRange(1, 3)).error
+    thing.hide_viewport = False
+    collection = bpy.data.collections.new("Left Out")
+    scene.collection.children.link(collection)
+    collection.objects.link(thing)
+    scene.collection.objects.unlink(thing)
+    bpy.context.view_layer.layer_collection.children["Left Out"].exclude = True
+    assert "follows 'Thing', which is not in view layer" in film(blinking, STILL).error
+
+
 @pytest.mark.parametrize("together", [False, True])
 def test_two_probes_share_renders_of_a_frame_but_not_of_another(blinking, scene, monkeypatch, together: bool) -> None:
     """Nothing of a probe tells two frames apart here: neither it nor its settings change."""

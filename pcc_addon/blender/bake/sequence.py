@@ -21,7 +21,7 @@ from ...version import ADDON_VERSION
 from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
 from ..read.frames import visit
-from ..read.probes import bake_record, check_place, probe_spec
+from ..read.probes import bake_record, check_place, check_seen, probe_spec
 from ..store.sequences import Reel, Shown, check_packing, known_pictures
 from . import environment, faces
 from .capture import Stage
@@ -92,6 +92,7 @@ class Film:
             PccError: it cannot be baked there.
         """
         check_place(self.probe, view_layer)
+        check_seen(self.probe, view_layer)
         spec = probe_spec(self.probe)
         environment.check_source(spec, scene)
         self._specs.append(spec)

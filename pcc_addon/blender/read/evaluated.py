@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from .. import marks
-from .probes import is_animated
+from .probes import is_animated, is_disabled
 
 _WITH_SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 _SIMULATED = {"FLUID", "CLOTH", "SOFT_BODY", "DYNAMIC_PAINT", "PARTICLE_SYSTEM", "OCEAN"}
@@ -69,9 +69,8 @@ def _is_unknown(item: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> bool
     """Whether what an object shows depends on the frame in a way that cannot be read."""
     if item.hide_render:
         return False
-    unseen = item.name in view_layer.objects and not item.visible_get(view_layer=view_layer)
     return (
-        (unseen and is_animated(item))  # Blender evaluates only what a viewport shows
+        (is_disabled(item, view_layer) and is_animated(item))
         or item.type in {"GREASEPENCIL", "GPENCIL"}
         or (item.type == "VOLUME" and item.data.is_sequence)
         or any(modifier.type in _SIMULATED for modifier in item.modifiers)

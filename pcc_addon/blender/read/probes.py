@@ -123,6 +123,12 @@ def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Non
             f"probe '{probe.name}': view layer '{view_layer.name}' leaves its collection out, so nobody knows where it "
             "is; include the collection, or remove the probe"
         )
+    followed = probe.pcc_probe.follow
+    if followed is not None and view_layer.objects.get(followed.name) != followed:
+        raise ProbeError(
+            f"probe '{probe.name}' follows '{followed.name}', which is not in view layer '{view_layer.name}', so "
+            "nobody knows where it is; include its collection, or let the probe follow something else"
+        )
     if not probe.visible_get(view_layer=view_layer) and not is_animated(probe):
         parent = probe.parent.matrix_world @ probe.matrix_parent_inverse if probe.parent else Matrix()
         expected = np.array(parent @ probe.matrix_basis)
@@ -131,6 +137,26 @@ def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Non
                 f"probe '{probe.name}' was moved while it is disabled in viewports, and its place is not up to date; "
                 "enable it"
             )
+
+
+def check_seen(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
+    """Refuse a probe that moves, or follows what moves, where viewports leave that out: it is not moved then.
+
+    Raises:
+        ProbeError: names it and says what to do.
+    """
+    for item in (probe, probe.pcc_probe.follow):
+        if item is not None and is_animated(item) and is_disabled(item, view_layer):
+            raise ProbeError(
+                f"probe '{probe.name}': '{item.name}' is animated and disabled in viewports, so nobody knows where it is "
+                "at each frame; enable it"
+            )
+
+
+def is_disabled(item: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> bool:
+    """Whether viewports leave an object out, so that animation does not move it; what is only hidden is moved."""
+    kept = item.visible_get(view_layer=view_layer) or item.hide_get(view_layer=view_layer)
+    return item.name in view_layer.objects and (item.hide_viewport or not kept)
 
 
 def _drawn_cube(probe: bpy.types.Object) -> np.ndarray:
