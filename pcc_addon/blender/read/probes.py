@@ -148,8 +148,8 @@ def check_seen(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None
     for item in (probe, probe.pcc_probe.follow):
         if item is not None and is_animated(item) and is_disabled(item, view_layer):
             raise ProbeError(
-                f"probe '{probe.name}': '{item.name}' is animated and disabled in viewports, so nobody knows where it is "
-                "at each frame; enable it"
+                f"probe '{probe.name}': '{item.name}' is animated and disabled in viewports, so nobody knows where it "
+                "is at each frame; enable it"
             )
 
 
