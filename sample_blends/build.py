@@ -12,7 +12,7 @@ import bpy
 
 import pcc_addon
 
-from . import any_cubemap, interior, scenes
+from . import any_cubemap, interior, moving, scenes
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -25,6 +25,7 @@ def main() -> None:
     any_cubemap.write_cross(any_cubemap.PICTURE, 64)
     _save("any_cubemap.blend", any_cubemap.any_cubemap)
     _save("interior.blend", partial(interior.interior, 96, 48))
+    _save("moving.blend", moving.moving)
 
 
 def _emissive_room_with_probe() -> None:

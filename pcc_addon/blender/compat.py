@@ -81,3 +81,16 @@ def animated_paths(item: bpy.types.ID) -> set[str]:
         for strip in layer.strips:
             curves += [curve for bag in strip.channelbags for curve in bag.fcurves]
     return {curve.data_path for curve in curves}
+
+
+def curves_of(item: bpy.types.ID) -> list[bpy.types.FCurve]:
+    """The keyframed curves of an ID's own action, and its drivers."""
+    data = item.animation_data
+    if data is None:
+        return []
+    found = [*data.drivers]
+    for layer in data.action.layers if data.action and data.action_slot else ():
+        for strip in layer.strips:
+            bag = strip.channelbag(data.action_slot)
+            found += bag.fcurves if bag else ()
+    return found

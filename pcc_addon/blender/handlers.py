@@ -43,7 +43,8 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
         return
     materials = {item for item in changed if isinstance(item, bpy.types.Material)}
     trees = {item for item in changed if isinstance(item, bpy.types.ShaderNodeTree) and not marks.role(item)}
-    if any(not tree.is_embedded_data for tree in trees):
+    edited = any(isinstance(item, bpy.types.Action) for item in changed)  # its keyframes may be those of inputs
+    if edited or any(not tree.is_embedded_data for tree in trees):
         materials.update(bpy.data.materials)
     if materials:
         live.follow(sorted(materials, key=lambda m: m.name_full), scene.pcc.roughness_limit)
@@ -125,7 +126,8 @@ def _follow(probe: bpy.types.Object, roughness_limit: float) -> None:
         record, spec = bake_record(probe), probe_spec(probe)
         if record is None:
             return
-        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point, record.source)
+        captured_at = record.capture_point_apart_from(spec.box.centre)
+        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
         if copied or probe_group.shown_effects(tree) != needed.label:
             live.refresh_probe(probe, roughness_limit)
         else:

@@ -78,10 +78,17 @@ class PCC_Probe(bpy.types.PropertyGroup):
     denoise: bpy.props.BoolProperty(name="Denoise", description="Denoise the faces of a Cycles bake", default=True)
     capture_offset: bpy.props.FloatVectorProperty(
         name="Capture Offset",
-        description="Where the pictures are taken, from the box's centre along the box's own axes",
+        description="Where the pictures are taken, from the box's centre, or from the object that the probe follows, "
+        "along the box's own axes",
         size=3,
         subtype="XYZ",
         unit="LENGTH",
+    )
+    follow: bpy.props.PointerProperty(
+        type=bpy.types.Object,
+        name="Follow",
+        description="The capture point is at this object's origin instead of the box's centre, and goes with it; the "
+        "object and its children are left out of the capture, but lamps among these are not",
     )
     clip_start: bpy.props.FloatProperty(
         name="Clip Start", description="Nearest distance that is captured", default=0.01, min=1e-6, unit="LENGTH"

@@ -44,6 +44,12 @@ def parser(file_is_open: bool) -> argparse.ArgumentParser:
     bake.add_argument("--resolution", type=int, metavar="PX", help="set the probes' face width")
     bake.add_argument("--samples", type=int, metavar="N", help="set the probes' samples")
     bake.add_argument(
+        "--frames",
+        metavar="A-B[:STEP]",
+        help="bake the probes for these frames, one picture for each thing that they see; 'still' for the file's "
+        "frame alone (otherwise as each was last baked)",
+    )
+    bake.add_argument(
         "--picture", type=Path, metavar="FILE", help="let the probes show this cubemap (a file, or one of six faces)"
     )
     bake.add_argument(

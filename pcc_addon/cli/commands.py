@@ -18,6 +18,7 @@ from ..blender.status import stale_probes, statuses
 from ..blender.store import leftovers
 from ..blender.store.levels import bake_folder
 from ..core.errors import PccError
+from ..core.frames import FrameRange, parse_frames
 from ..core.picture_files import picture_files
 from ..core.plan_report import lines, records
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Source
@@ -64,14 +65,15 @@ def words_of_cancelling(voice: Voice) -> str:
 
 def _bake(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     scene, view_layer = bpy.context.scene, bpy.context.view_layer
+    frames = _frames(options.frames)
     probes = named_probes(scene, options.probe) if options.probe else all_probes(scene)
     if not probes:
         raise PccError(f"scene '{scene.name}' has no parallax probe; add one with Add > Light Probe > Parallax Probe")
     _apply_settings(options, probes)
     if options.stale:
-        probes = stale_probes(scene, view_layer, probes)
+        probes = stale_probes(scene, view_layer, probes, frames)
     folder = bake_folder(scene, str(options.output.resolve()) if options.output else None)
-    job = BakeJob(scene, view_layer, probes, folder)
+    job = BakeJob(scene, view_layer, probes, folder, frames, reuse=options.stale)
     told = 0
     try:
         while job.step():
@@ -93,13 +95,20 @@ def _bake(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     return failures
 
 
+def _frames(asked: str | None) -> FrameRange | str | None:
+    try:
+        return parse_frames(asked)
+    except PccError as error:
+        raise PccError(f"--frames: {error}") from error
+
+
 def _tell_results(results: Sequence[BakedProbe], voice: Voice) -> int:
     """Tell what became of some probes; returns how many there are."""
     for result in results:
         if result.error is not None:
             voice.error(result.error)
             continue
-        voice.event("baked", f"baked '{result.probe}' in {result.seconds:.1f} s", **asdict(result))
+        voice.event("baked", f"baked {result}", **asdict(result))
         for line in (*result.replaced_pixels, *result.warnings):
             voice.event("note", f"probe '{result.probe}': {line}", probe=result.probe, note=line)
     return len(results)

@@ -8,6 +8,9 @@ from enum import Enum
 LADDER: tuple[float, ...] = (0.0, 0.05, 0.1, 0.16, 0.23, 0.32, 0.44, 0.6)
 """GGX roughnesses of the radiance levels, sharpest first; a roughness between two is mixed from both."""
 
+STILL = -1
+"""The number of a picture that is no part of a sequence."""
+
 
 class PictureKind(str, Enum):
     """What a picture holds."""
@@ -22,14 +25,21 @@ class PictureKey:
     Attributes:
         kind: what it holds.
         level: which step of its kind's ladder, 0 for the capture itself.
+        number: which picture of a sequence, from 0; `STILL` for the only one.
     """
 
     kind: PictureKind
     level: int
+    number: int = STILL
 
     @property
     def text(self) -> str:
-        """The key as sidecars and file names have it, such as "radiance-2"."""
+        """The key as sidecars have it, such as "radiance-2", or "radiance-2@17" in a sequence."""
+        return self.family if self.number == STILL else f"{self.family}@{self.number}"
+
+    @property
+    def family(self) -> str:
+        """What it has in common with the other pictures of its sequence, such as "radiance-2"."""
         return f"{self.kind.value}-{self.level}"
 
     @classmethod
@@ -39,5 +49,8 @@ class PictureKey:
         Raises:
             ValueError: it is none.
         """
-        kind, _, level = text.rpartition("-")
-        return cls(PictureKind(kind), int(level))
+        family, found, number = text.partition("@")
+        kind, _, level = family.rpartition("-")
+        if found and not (number.isascii() and number.isdigit()):
+            raise ValueError(f"'{number}' is no number of a picture")
+        return cls(PictureKind(kind), int(level), int(number) if found else STILL)

@@ -154,7 +154,8 @@ class ProbeSpec:
     Attributes:
         name: the object's name.
         box: the proxy box.
-        capture_offset: of the capture point from the box's centre, metres along the box's own axes.
+        capture_offset: of the capture point from the box's centre, or from what it follows, metres along the box's own
+            axes.
         resolution: face width, pixels.
         samples: per pixel.
         engine: which renderer takes the pictures.
@@ -169,6 +170,7 @@ class ProbeSpec:
         source: where its pictures come from.
         picture: the file of an image, or one of its six; empty where none is chosen.
         influence: where, how much and by whom it is shown.
+        followed: the origin of the object that the capture point follows, world space, metres; None: the box's centre.
     """
 
     name: str
@@ -189,6 +191,7 @@ class ProbeSpec:
     source: Source = Source.BAKE
     picture: str = ""
     influence: Influence = field(default=Influence())
+    followed: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         if not MINIMUM_RESOLUTION <= self.resolution <= MAXIMUM_RESOLUTION:
@@ -203,6 +206,8 @@ class ProbeSpec:
                 f"probe '{self.name}': clip start {self.clip_start:g} m must be above 0 and below "
                 f"clip end {self.clip_end:g} m"
             )
+        if self.followed is not None and not (np.abs(self.followed) < _INFINITE).all():
+            raise ProbeError(f"probe '{self.name}': the object that it follows is nowhere finite; reset its location")
         if not np.isfinite(self.capture_offset).all():
             raise ProbeError(f"probe '{self.name}': its capture offset is not finite; reset it")
         for name, length in (("padding", self.padding), ("falloff", self.falloff)):
@@ -216,7 +221,8 @@ class ProbeSpec:
         if self.source.stretched:
             return self.box.centre
         unit_axes = self.box.axes / self.box.half_extents
-        return self.box.centre + unit_axes @ np.array(self.capture_offset)
+        origin = self.box.centre if self.followed is None else np.array(self.followed)
+        return origin + unit_axes @ np.array(self.capture_offset)
 
     def effects(
         self, receivers: Receivers, captured_at: Sequence[float], source: Source = Source.BAKE

@@ -16,8 +16,9 @@ import numpy as np
 
 from .cubemap import FACES
 from .errors import BakeError
-from .pictures import PictureKey, PictureKind
+from .pictures import STILL, PictureKey, PictureKind
 from .probe import ProbeSpec, Source
+from .sequence import Moment
 
 VERSION = 2
 _AXES = {
@@ -27,7 +28,9 @@ _AXES = {
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 FORMAT = "parallax-probe"
 _INFINITE = float(np.finfo(np.float32).max)  # shaders compute in float32
-_PICTURE = r"\.(?:[a-z]+-\d+\.[0-9a-f]{12}|r\d{5})\.exr"  # the second is version 1's
+_NUMBER = r"\.\d{4,}"  # of a picture of a sequence; Blender finds the others by it
+_PICTURE = rf"\.(?:[a-z]+-\d+\.[0-9a-f]{{12}}(?:{_NUMBER})?|r\d{{5}})\.exr"  # the last is version 1's
+_NUMBERED = re.compile(rf"(\.[0-9a-f]{{12}}){_NUMBER}(\.exr)$")
 _FILE_NAME = re.compile(rf"[A-Za-z0-9_-]+-([0-9a-f]{{8}})(?:{_PICTURE}|\.json)")
 PICTURE_NAME = re.compile(rf"[A-Za-z0-9_-]{{1,40}}-[0-9a-f]{{8}}{_PICTURE}".encode())
 """The name of a picture, as it stands among the bytes of a .blend."""
@@ -89,6 +92,8 @@ class Sidecar:
         levels: the pictures, sharpest first.
         replaced_pixels: what was wrong in the capture, in words.
         source: where the pictures came from.
+        moments: of a sequence, one for each of its frames, ascending; empty for a still. Of a sequence, what else is
+            said is that of its first picture.
     """
 
     probe: str
@@ -107,6 +112,17 @@ class Sidecar:
     levels: tuple[Level, ...]
     replaced_pixels: tuple[str, ...] = ()
     source: Source = Source.BAKE
+    moments: tuple[Moment, ...] = ()
+
+    @property
+    def frames(self) -> tuple[int, ...]:
+        """Those of a sequence, ascending; none for a still."""
+        return tuple(moment.frame for moment in self.moments)
+
+    def capture_point_apart_from(self, place: Sequence[float]) -> tuple[float, float, float]:
+        """Where its pictures were taken; of several points the one farthest from a place. World space, metres."""
+        points = [self.capture_point, *(moment.capture_point for moment in self.moments)]
+        return max(points, key=lambda point: math.dist(point, place))
 
     @classmethod
     def of_bake(
@@ -193,6 +209,7 @@ class Sidecar:
             levels=_levels(plain["levels"]),
             replaced_pixels=tuple(_text(words) for words in plain.get("replaced_pixels", ())),
             source=Source(plain.get("source", Source.BAKE.value)),
+            moments=tuple(_moment(moment) for moment in plain.get("moments", ())),
         )
 
 
@@ -242,6 +259,14 @@ def _levels(found: object) -> tuple[Level, ...]:
     return tuple(Level.from_plain(level) for level in found)
 
 
+def _moment(plain: Mapping[str, Any]) -> Moment:
+    x, y, z = _numbers(plain, "capture_point", 3)
+    frame = plain["frame"]
+    if type(frame) is not int:
+        raise TypeError(f"{frame!r} is no frame")
+    return Moment(frame, _text(plain["content_hash"]), _whole(plain["number"]), (x, y, z))
+
+
 def file_stem(name: str, uid: str) -> str:
     """A file name for a probe that is safe on every system and differs wherever the uid differs."""
     readable = _UNSAFE.sub("_", name).strip("_-")[:40] or "probe"
@@ -260,8 +285,25 @@ def uid_digest_of_file(name: str) -> str | None:
 
 
 def level_file(stem: str, key: PictureKey, digest: str) -> str:
-    """The name of a picture: another content has another name, so that no file is ever written over by another."""
-    return f"{stem}.{key.text}.{digest[:12]}.exr"
+    """The name of a picture: another content has another name, so that no file is ever written over by another.
+
+    Args:
+        stem: of all files of the probe.
+        key: of the picture.
+        digest: of its pixels; for a picture of a sequence that of all pictures of its level.
+    """
+    number = "" if key.number == STILL else f".{key.number:04d}"
+    return f"{stem}.{key.family}.{digest[:12]}{number}.exr"
+
+
+def file_family(name: str) -> str:
+    """The name of a picture without its number: pictures of one sequence, which stay or go together, have it alike."""
+    return _NUMBERED.sub(r"\1\2", name)
+
+
+def digest_of_all(digests: Sequence[str]) -> str:
+    """A hexadecimal digest of the digests of a sequence's pictures."""
+    return hashlib.blake2b("\n".join(digests).encode(), digest_size=16).hexdigest()
 
 
 def digest_of(pixels: np.ndarray) -> str:

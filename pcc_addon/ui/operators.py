@@ -13,6 +13,7 @@ from ..blender.shade import injection
 from ..blender.status import stale_probes
 from ..blender.store.levels import bake_folder
 from ..core.errors import Cancelled, PccError
+from ..core.frames import FIRST_FRAME, LAST_FRAME, FrameRange, parse_frames
 
 _SCOPE = bpy.props.EnumProperty(
     name="Scope",
@@ -21,6 +22,11 @@ _SCOPE = bpy.props.EnumProperty(
         ("SELECTED", "Selected", "Only the materials of selected objects"),
     ],
 )
+_SCOPES = [
+    ("STALE", "Stale", "Probes that have no bake, or that something has changed around since"),
+    ("ALL", "All", "All probes of the scene"),
+    ("SELECTED", "Selected", "Selected probes"),
+]
 
 
 class PCC_OT_probe_add(bpy.types.Operator):
@@ -85,11 +91,13 @@ class PCC_OT_bake(bpy.types.Operator):
 
     scope: bpy.props.EnumProperty(
         name="Scope",
-        items=[
-            ("STALE", "Stale", "Probes that have no bake, or that something has changed around since"),
-            ("ALL", "All", "All probes of the scene"),
-            ("SELECTED", "Selected", "Selected probes"),
-        ],
+        items=_SCOPES,
+    )
+    frames: bpy.props.StringProperty(
+        name="Frames",
+        description="Frames to bake the probes for, such as 1-250 or 1-250:2; 'still' for the current one alone. "
+        "Empty: as each was last baked",
+        options={"SKIP_SAVE"},
     )
     _job: BakeJob | None = None
     _timer: bpy.types.Timer | None = None
@@ -102,19 +110,25 @@ class PCC_OT_bake(bpy.types.Operator):
         return True
 
     def _start(self, context: bpy.types.Context) -> bool:
-        probes = _probes_in_scope(context, self.scope)
+        frames = parse_frames(self.frames)
+        probes = _probes_in_scope(context, self.scope, frames)
         if not probes:
             self.report({"INFO"}, _NOTHING_TO_BAKE[self.scope])
             return False
         folder = bake_folder(context.scene)
         if folder is None:
             self.report({"INFO"}, "The file is not saved yet: pictures are packed into it")
-        self._job = BakeJob(context.scene, context.view_layer, probes, folder)
+        reuse = self.scope == "STALE"
+        self._job = BakeJob(context.scene, context.view_layer, probes, folder, frames, reuse)
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        if not self._start(context):
-            return {"FINISHED"}
+        try:
+            if not self._start(context):
+                return {"FINISHED"}
+        except PccError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         try:
             results = self._job.run()
         except PccError as error:
@@ -125,8 +139,12 @@ class PCC_OT_bake(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
-        if not self._start(context):
-            return {"FINISHED"}
+        try:
+            if not self._start(context):
+                return {"FINISHED"}
+        except PccError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         manager = context.window_manager
         self._timer = manager.event_timer_add(0.01, window=context.window)
         manager.progress_begin(0.0, 1.0)
@@ -175,12 +193,43 @@ class PCC_OT_bake(bpy.types.Operator):
             for line in (*result.replaced_pixels, *result.warnings):
                 self.report({"WARNING"}, f"probe '{result.probe}': {line}")
         if done:
-            listing = ", ".join(f"'{r.probe}' in {r.seconds:.1f} s" for r in done)
-            self.report({"INFO"}, f"Baked {listing}")
+            self.report({"INFO"}, f"Baked {', '.join(str(result) for result in done)}")
         failed = [r.error for r in results if r.error is not None]
         if failed:
             self.report({"ERROR"}, "; ".join(failed))
         return {"FINISHED"} if done else {"CANCELLED"}
+
+
+class PCC_OT_bake_frames(bpy.types.Operator):
+    """Bake what the probes see at each frame; frames at which nothing changes share a picture"""
+
+    bl_idname = "pcc.bake_frames"
+    bl_label = "Bake Frames"
+
+    scope: bpy.props.EnumProperty(name="Scope", items=_SCOPES)
+    first: bpy.props.IntProperty(name="First", default=1, min=FIRST_FRAME, max=LAST_FRAME)
+    last: bpy.props.IntProperty(name="Last", default=250, min=FIRST_FRAME, max=LAST_FRAME)
+    step: bpy.props.IntProperty(
+        name="Step", description="Between these frames the picture of the one before is shown", default=1, min=1
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return PCC_OT_bake.poll.__func__(cls, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if not self.properties.is_property_set("first"):
+            self.first, self.last = context.scene.frame_start, context.scene.frame_end
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            frames = FrameRange(self.first, self.last, self.step)
+        except PccError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        started = bpy.ops.pcc.bake("INVOKE_DEFAULT", scope=self.scope, frames=frames.text)
+        return {"CANCELLED"} if "CANCELLED" in started else {"FINISHED"}  # that one may run on by itself
 
 
 _NOTHING_TO_BAKE = {
@@ -190,11 +239,11 @@ _NOTHING_TO_BAKE = {
 }
 
 
-def _probes_in_scope(context: bpy.types.Context, scope: str) -> list[bpy.types.Object]:
+def _probes_in_scope(context: bpy.types.Context, scope: str, frames: FrameRange | str | None) -> list[bpy.types.Object]:
     probes = all_probes(context.scene)
     if scope == "SELECTED":
         return [probe for probe in probes if probe.select_get(view_layer=context.view_layer)]
-    return stale_probes(context.scene, context.view_layer, probes) if scope == "STALE" else probes
+    return stale_probes(context.scene, context.view_layer, probes, frames) if scope == "STALE" else probes
 
 
 class PCC_OT_inject(bpy.types.Operator):
@@ -276,6 +325,7 @@ class PCC_OT_hidden_remove(bpy.types.Operator):
 CLASSES = (
     PCC_OT_probe_add,
     PCC_OT_bake,
+    PCC_OT_bake_frames,
     PCC_OT_inject,
     PCC_OT_remove,
     PCC_OT_hidden_add,

@@ -35,6 +35,7 @@ class PCC_PT_probe(bpy.types.Panel):
             if settings.engine == "CYCLES":
                 column.prop(settings, "denoise")
         if settings.source == "BAKE":
+            layout.prop(settings, "follow")
             layout.prop(settings, "capture_offset")
             column = layout.column(align=True)
             column.prop(settings, "clip_start")
@@ -123,6 +124,7 @@ class PCC_PT_scene(bpy.types.Panel):
         row = column.row(align=True)
         row.operator("pcc.bake", text="All").scope = "ALL"
         row.operator("pcc.bake", text="Selected").scope = "SELECTED"
+        column.operator("pcc.bake_frames", icon="RENDER_ANIMATION")
         column = layout.column(align=True)
         column.operator("pcc.plan", icon="PRESET")
         column.operator("pcc.inject", icon="MATERIAL")

@@ -132,7 +132,7 @@ def animated() -> Material:
     driver.expression = "0.25 + 0.5"
     node.inputs["Specular IOR Level"].default_value = 0.25
     color = node.inputs["Base Color"]
-    for frame, value in ((1, 0.1), (10, 0.9)):
+    for frame, value in ((10, 0.9), (1, 0.1)):  # a value without its keyframe is lost when Blender evaluates the curve
         color.default_value[1] = value
         color.keyframe_insert("default_value", index=1, frame=frame)
     return material

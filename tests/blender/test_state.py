@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pcc_addon.blender import marks
-from pcc_addon.blender.bake import job
+from pcc_addon.blender.bake import faces
 from pcc_addon.blender.bake.capture import Stage
 from pcc_addon.blender.bake.job import BakeJob
 from pcc_addon.blender.shade import injection, twin
@@ -132,7 +132,7 @@ BREAKABLE: dict[str, tuple[object, str, int]] = {
     "aiming": (Stage, "aim", 1),
     "a face": (Stage, "face", 6),
     "assembling": (equirect, "from_faces", 1),
-    "blurring": (job, "prefilter", 2),
+    "blurring": (faces, "prefilter", 2),
     "storing": (levels, "store", 1),
     "the twins": (twin, "add_twins", 1),
 }

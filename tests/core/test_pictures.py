@@ -17,7 +17,29 @@ def test_a_key_and_its_text_are_inverses() -> None:
     assert key.text == "radiance-12" and PictureKey.parse(key.text) == key
 
 
-@pytest.mark.parametrize("text", ["", "radiance", "radiance-", "radiance-x", "heat-1", "-1", "1"])
+def test_a_picture_of_a_sequence_is_told_by_its_number() -> None:
+    key = PictureKey(PictureKind.RADIANCE, 2, 17)
+    assert key.text == "radiance-2@17" and PictureKey.parse(key.text) == key
+    assert key.family == PictureKey(PictureKind.RADIANCE, 2).family == "radiance-2"
+    assert PictureKey.parse("radiance-2@0") != PictureKey.parse("radiance-2")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "radiance-2@",
+        "radiance-2@x",
+        "radiance-2@-1",
+        "radiance-2@1@2",
+        "",
+        "radiance",
+        "radiance-",
+        "radiance-x",
+        "heat-1",
+        "-1",
+        "1",
+    ],
+)
 def test_another_text_is_no_key(text: str) -> None:
     with pytest.raises(ValueError):
         PictureKey.parse(text)

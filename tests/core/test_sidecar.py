@@ -16,7 +16,21 @@ from pcc_addon.core.cubemap import FACES
 from pcc_addon.core.errors import BakeError
 from pcc_addon.core.pictures import PictureKey, PictureKind
 from pcc_addon.core.probe import Source
-from pcc_addon.core.sidecar import VERSION, Level, Sidecar, digest_of, file_stem, level_file, move_into_place
+from pcc_addon.core.sequence import Moment
+from pcc_addon.core.sidecar import (
+    PICTURE_NAME,
+    VERSION,
+    Level,
+    Sidecar,
+    digest_of,
+    digest_of_all,
+    file_family,
+    file_stem,
+    level_file,
+    move_into_place,
+    uid_digest,
+    uid_digest_of_file,
+)
 
 KEYS = [PictureKey(PictureKind.RADIANCE, k) for k in range(8)]
 RECORD = Sidecar(
@@ -38,7 +52,7 @@ RECORD = Sidecar(
 )
 
 
-DEFAULTED = {"replaced_pixels", "source"}
+DEFAULTED = {"replaced_pixels", "source", "moments"}
 
 
 def edited(**changes: object) -> str:
@@ -107,6 +121,7 @@ def test_what_a_later_release_of_this_version_adds_is_ignored() -> None:
 def test_what_may_be_missing_has_a_default() -> None:
     assert Sidecar.from_json(edited(replaced_pixels=...), "here").replaced_pixels == ()
     assert Sidecar.from_json(edited(source=...), "here").source is Source.BAKE
+    assert Sidecar.from_json(edited(moments=...), "here").moments == ()
     levels = [
         {k: v for k, v in level.items() if k not in ("size", "digest")} for level in json.loads(edited())["levels"]
     ]
@@ -292,3 +307,40 @@ def test_where_one_file_cannot_be_moved_those_before_it_are_gone_again(tmp_path:
     with pytest.raises(OSError):
         move_into_place(parts, target, ["a.exr", "b.exr", "a.json"])
     assert [path.name for path in target.iterdir()] == ["b.exr"]
+
+
+def test_a_sequence_comes_back_and_no_moment_that_is_none() -> None:
+    moments = (Moment(-3, "a", 0, (0.0, 1.0, 2.0)), Moment(7, "b", 1, (0.0, 1.0, 9.0)))
+    record = dataclasses.replace(RECORD, moments=moments, levels=(Level(SEQUENCE[0], 0.0, "a.exr", 64, 32),))
+    assert Sidecar.from_json(record.to_json(), "here") == record
+    assert record.frames == (-3, 7)
+    plain = json.loads(record.to_json())["moments"]
+    for key, wrong in (("frame", 1.5), ("frame", True), ("number", -1), ("content_hash", 3), ("capture_point", [1.0])):
+        refusal(edited(moments=[plain[0], {**plain[1], key: wrong}]))
+
+
+def test_of_several_capture_points_the_farthest_tells_whether_they_are_apart_from_a_place() -> None:
+    moments = (Moment(1, "a", 0, (0.0, 0.0, 0.0)), Moment(2, "b", 1, (0.0, 0.0, 5.0)))
+    record = dataclasses.replace(RECORD, capture_point=(0.0, 0.0, 0.0), moments=moments)
+    assert record.capture_point_apart_from((0.0, 0.0, 0.0)) == (0.0, 0.0, 5.0)
+    assert record.capture_point_apart_from((0.0, 0.0, 5.0)) == (0.0, 0.0, 0.0)
+    assert RECORD.capture_point_apart_from((9.0, 9.0, 9.0)) == RECORD.capture_point
+
+
+SEQUENCE = [PictureKey(PictureKind.RADIANCE, 3, number) for number in (0, 7, 12345)]
+
+
+def test_pictures_of_a_sequence_differ_in_a_number_at_the_end_and_belong_together() -> None:
+    stem, digest = file_stem("Ball", "5b0c"), digest_of_all(["a", "b", "c"])
+    files = [level_file(stem, key, digest) for key in SEQUENCE]
+    assert [file.removesuffix(".exr").rpartition(".")[2] for file in files] == ["0000", "0007", "12345"]
+    assert len({file_family(file) for file in files}) == 1
+    assert file_family(files[0]) not in files and file_family(file_family(files[0])) == file_family(files[0])
+    for file in files:
+        assert uid_digest_of_file(file) == uid_digest("5b0c")
+        assert PICTURE_NAME.fullmatch(file.encode())
+    still = level_file(stem, KEYS[3], digest)
+    assert file_family(still) == still and file_family(files[0]) == still
+    assert digest_of_all(["a", "b"]) != digest_of_all(["b", "a"]) != digest_of_all(["ba"])
+    for other in ("frame.0001.exr", f"{stem}.json", f"{stem}.r00000.exr"):
+        assert file_family(other) == other

@@ -96,6 +96,19 @@ def test_samples_beyond_all_bounds_are_told_in_one_line(
     assert code == 1 and len(lines) == 1 and f"--samples {samples}" in lines[0]
 
 
+@pytest.mark.parametrize(
+    ("frames", "remedy"),
+    [("5-1", "ask for 1-5"), ("12", "such as 1-250"), ("1-9:0", "at least 1"), ("1-9999999", "stay within")],
+)
+def test_bad_frames_are_told_with_what_to_write(
+    capfd: pytest.CaptureFixture[str], blend: Path, frames: str, remedy: str
+) -> None:
+    before = blend.read_bytes()
+    code, lines = run(capfd, "bake", blend, f"--frames={frames}", "--save")
+    assert code == 1 and len(lines) == 1 and "--frames" in lines[0] and frames in lines[0] and remedy in lines[0]
+    assert blend.read_bytes() == before and not blend.with_suffix(".pcc").exists()
+
+
 @pytest.mark.parametrize("option", [[], ["--output"]])
 def test_a_name_longer_than_the_system_allows_is_told_in_one_line(
     capfd: pytest.CaptureFixture[str], blend: Path, option: list[str]

@@ -83,6 +83,38 @@ def test_a_picture_is_shown_instead_of_a_bake(capfd: pytest.CaptureFixture[str],
     assert code == 1 and "does not exist" in next(line for line in lines if line.get("state") == "error")["why"]
 
 
+def test_frames_are_baked_told_and_kept_up_to_date(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    wall = bpy.data.objects["Wall +X"]
+    for frame, x in ((3, wall.location.x), (4, wall.location.x + 0.5)):
+        wall.location.x = x
+        wall.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(2)
+    bpy.ops.wm.save_mainfile()
+    asked = ("bake", blend, *FAST, "--probe", "Room")
+    code, lines = events(capfd, *asked, "--frames", "1-5", "--save")
+    [baked] = [line for line in lines if line["event"] == "baked"]
+    assert code == 0 and (baked["frames"], baked["pictures"], baked["rendered"]) == ("1-5", 2, 2)
+    messages = [line["message"] for line in lines if line["event"] == "progress"]
+    assert "frame 4, Room: face -Z" in messages and "frame 5: reading the scene" in messages
+    code, lines = events(capfd, "status", blend)
+    assert next(line for line in lines if line["probe"] == "Room")["frames"] == "1-5"
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    assert bpy.context.scene.frame_current == 2
+    bpy.data.objects["Wall +X"].location.x += 0.25
+    bpy.data.objects["Wall +X"].keyframe_insert("location", frame=5)
+    bpy.ops.wm.save_mainfile()
+    code, lines = events(capfd, "status", blend)
+    [status] = [line for line in lines if line["probe"] == "Room"]
+    assert status["state"] == "stale" and status["stale_frames"] == [5]
+    code, lines = events(capfd, *asked, "--stale", "--save")
+    [baked] = [line for line in lines if line["event"] == "baked"]
+    assert (baked["frames"], baked["pictures"], baked["rendered"]) == ("1-5", 3, 1)
+    code, lines = events(capfd, *asked, "--frames", "still", "--save")
+    assert [line["frames"] for line in lines if line["event"] == "baked"] == [""]
+    assert bpy.data.objects["Room"].pcc_probe.levels[0].image.source == "FILE"
+
+
 def test_output_has_its_own_pictures_beside_it(capfd: pytest.CaptureFixture[str], blend: Path, tmp_path: Path) -> None:
     target = tmp_path / "elsewhere" / "copy.blend"
     target.parent.mkdir()

@@ -43,8 +43,16 @@ class Stage:
         scene: bpy.types.Scene,
         view_layer: bpy.types.ViewLayer,
         probes: Sequence[ProbeSpec],
+        at_once: int = 0,
     ) -> None:
-        """Probes: all that will be captured, in order; faces of the next ones may be rendered with those of one."""
+        """A stage for some probes.
+
+        Args:
+            stack: what closes the stage.
+            scene, view_layer: what is rendered.
+            probes: all that will be captured, in order; faces of the next ones may be rendered with those of one.
+            at_once: of how many probes `expect` will be told at most.
+        """
         self.scene = scene
         self.view_layer = view_layer
         self.owed: dict[str, float] = {}
@@ -56,13 +64,18 @@ class Stage:
         view_layer.update()
         self._things = len(view_layer.depsgraph.object_instances)
         self._probes = list(probes)
-        self._most = 1 if _looks_at_camera(scene) else min(len(self._probes), _TOGETHER)
+        self._most = 1 if _looks_at_camera(scene) else min(max(len(self._probes), at_once), _TOGETHER)
         self._lens = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
         name = f"pcc capture {uuid.uuid4().hex}"  # which nobody has: views find their cameras by name
         count = len(FACES) * max(self._most, 1)
         self._cameras = _cameras(stack, scene, self._lens, [f"{name} {k}" for k in range(count)])
         override(stack, scene, "camera", self._cameras[0])
         self._ready: dict[tuple[ProbeSpec, RenderSettings, int], np.ndarray] = {}  # rendered with others, not asked for
+
+    def expect(self, probes: Sequence[ProbeSpec]) -> None:
+        """The scene is another, as at another frame: these probes will be captured next, in order."""
+        self._probes = list(probes)
+        self._ready.clear()
 
     def aim(self, stack: ExitStack, probe: ProbeSpec) -> None:
         """Set the engine and the camera for one probe, and what is hidden from it until `stack` closes."""

@@ -5,34 +5,33 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
-import numpy as np
 
-from ...core import equirect, radiance
-from ...core.cubemap import FACES
 from ...core.errors import Cancelled, PccError
+from ...core.frames import STILL, FrameRange
 from ...core.pictures import LADDER
 from ...core.plan import Plan, ProbePlan, make_plan
-from ...core.prefilter import prefilter
-from ...core.probe import Engine, ProbeSpec
+from ...core.probe import ProbeSpec
 from ...core.sidecar import Sidecar
 from ...version import ADDON_VERSION
 from .. import handlers
 from ..overrides import override
 from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
+from ..read.frames import at_frame, frames_of
 from ..read.probes import check_own, check_place, probe_spec
 from ..read.scene import missing_textures, read_scene
 from ..shade import by_hand, groups, injection, interior, twin
 from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
 from ..store import levels
-from . import environment
-from .capture import OVERSCAN, Stage
-from .surroundings import black_capture, is_nearly_black
+from . import environment, faces
+from .capture import Stage
+from .faces import Capture
+from .sequence import Sequences
 
 
 @dataclass(frozen=True)
@@ -43,9 +42,11 @@ class BakedProbe:
         probe: its name.
         error: why it has no new bake, or None.
         seconds: of rendering and assembling.
-        files: the pictures' paths; empty where they are packed.
+        files: the pictures' paths, of a sequence the first of each level; empty where they are packed.
         replaced_pixels: what was wrong in the capture, in words.
         warnings: what the user should know of it, in words.
+        frames: of a sequence, in words; empty for a still.
+        pictures, rendered: how many different ones the frames show, and how many of these are new.
     """
 
     probe: str
@@ -54,44 +55,32 @@ class BakedProbe:
     files: tuple[str, ...] = ()
     replaced_pixels: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    frames: str = ""
+    pictures: int = 1
+    rendered: int = 1
+
+    def __str__(self) -> str:
+        frames = f" at frames {self.frames}: {self.rendered} of {self.pictures} pictures" if self.frames else ""
+        return f"'{self.probe}'{frames} in {self.seconds:.1f} s"
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Task:
-    """One probe to bake: its object and record, the hash of what it depends on, what the plan says of it."""
+    """One probe to bake: its object, its capture, the hash of what it depends on, what the plan says of it."""
 
     probe: bpy.types.Object
-    spec: ProbeSpec
+    capture: Capture
     content_hash: str
     plan: ProbePlan
+    failed: bool = False
+
+    @property
+    def name(self) -> str:
+        return self.capture.spec.name
 
     @property
     def roughnesses(self) -> tuple[float, ...]:
         return tuple(LADDER[key.level] for key in self.plan.pictures)
-
-    @property
-    def steps(self) -> int:
-        """Six faces or a picture from elsewhere, assembling, each level but the sharpest, storing."""
-        return environment.steps(self.spec.source) + 1 + len(self.roughnesses)
-
-
-@dataclass
-class _Capture:
-    """The faces of one probe that wait to be stored, what was wrong in them, and the seconds spent on it.
-
-    A picture that was not captured in the box stands for the faces.
-    """
-
-    task: _Task
-    faces: list[np.ndarray] = field(default_factory=list)
-    picture: np.ndarray | None = None
-    replaced: list[str] = field(default_factory=list)
-    seconds: float = 0.0
-    failed: bool = False
-
-    @property
-    def bytes_held(self) -> int:
-        return sum(face.nbytes for face in self.faces) + (0 if self.picture is None else self.picture.nbytes)
 
 
 # Storing a bake makes data blocks, after which a renderer reads the whole scene anew: that grows with the scene. So
@@ -115,12 +104,24 @@ class BakeJob:
         view_layer: bpy.types.ViewLayer,
         probes: Sequence[bpy.types.Object],
         folder: Path | None,
+        frames: FrameRange | str | None = None,
+        reuse: bool = False,
     ) -> None:
+        """A bake that has not begun.
+
+        Args:
+            target, view_layer: what is rendered.
+            probes: those to bake.
+            folder: where pictures go; None packs them.
+            frames: those that each probe has a picture for; `STILL` for one of the current frame; None: as last baked.
+            reuse: whether pictures of sequences that are there already are kept where nothing has changed.
+        """
         self.progress = 0.0
         self.message = "Preparing"
         self.results: list[BakedProbe] = []
         self._scene, self._view_layer, self._probes, self._folder = target, view_layer, list(probes), folder
         self.missing_textures: list[str] = []
+        self._frames, self._reuse = frames, reuse
         self._stack = ExitStack()
         self._work = self._run()
 
@@ -164,57 +165,100 @@ class BakeJob:
         levels.check_folder(self._folder)
         self.missing_textures = missing_textures(self._view_layer, self._scene.world)
         plan = make_plan(read_scene(self._scene, self._view_layer))
+        asked = {spec.name: self._asked(probe) for probe, spec in ready}
         fingerprint = SceneFingerprint(self._scene, self._view_layer)
         tasks = [
-            _Task(
-                probe,
-                spec,
-                fingerprint.content_hash(spec),
-                plan.probe(spec.name),
-            )
+            _Task(probe, Capture(spec), fingerprint.content_hash(spec), plan.probe(spec.name))
             for probe, spec in ready
+            if not asked[spec.name]
         ]
-        total = sum(task.steps for task in tasks)
+        moving = [(probe, asked[spec.name], plan.probe(spec.name)) for probe, spec in ready if asked[spec.name]]
         yield
         # Once all is as it was: what a bake changes in its probes' groups may call for other twins.
         self._stack.callback(handlers.bring_all_up_to_date, self._scene)
         self._stack.enter_context(handlers.paused())
-        stage = Stage(self._stack, self._scene, self._view_layer, [task.spec for task in tasks])
+        sequences = Sequences(self._stack, self._scene, self._view_layer, self._folder, self._reuse)
+        if moving:
+            self._stack.enter_context(at_frame(self._scene))
+            yield from self._told(sequences.read(moving), 0.0, 0.1)
+            self._tell(sequences)
+        stage = Stage(
+            self._stack, self._scene, self._view_layer, [task.capture.spec for task in tasks], sequences.at_once
+        )
         _show_diffuse_only(self._stack, plan)
+        total = sum(faces.steps(task.capture.spec, task.roughnesses) for task in tasks)
+        share = (0.1 if moving else 0.0, 0.1 + 0.9 * total / max(total + sequences.steps, 1) if moving else 1.0)
+        yield from self._told(self._bake_stills(stage, tasks, total), *share)
+        if moving:
+            yield from self._told(sequences.bake(stage, self._show), share[1], 1.0)
+            self._tell(sequences)
+
+    def _asked(self, probe: bpy.types.Object) -> tuple[int, ...]:
+        """The frames that a probe is to have pictures for; none for a still of the current one."""
+        if isinstance(self._frames, FrameRange):
+            return tuple(self._frames.frames)
+        return () if self._frames == STILL else frames_of(probe)
+
+    def _told(self, work: Iterator[tuple[float, str]], low: float, high: float) -> Iterator[None]:
+        """Do some work that is the part of all work between two shares of it."""
+        for fraction, message in work:
+            self.progress, self.message = low + (high - low) * min(fraction, 1.0), message
+            yield
+
+    def _tell(self, sequences: Sequences) -> None:
+        """Take over what became of sequences."""
+        for film in sequences.take_finished():
+            if film.error is not None:
+                self.results.append(BakedProbe(film.name, film.error))
+                continue
+            self.results.append(
+                BakedProbe(
+                    film.name,
+                    None,
+                    film.seconds,
+                    self._files(film.probe),
+                    tuple(film.replaced),
+                    tuple(film.warnings),
+                    film.said_frames,
+                    film.pictures,
+                    film.rendered,
+                )
+            )
+
+    def _bake_stills(self, stage: Stage, tasks: Sequence[_Task], total: int) -> Iterator[tuple[float, str]]:
+        """Pictures of the current frame; yields how much of this is done and what comes next."""
         done, waiting, begin = 0, [], time.perf_counter()
         for task in tasks:
-            waiting.append(_Capture(task))
-            for message in self._tried(waiting[-1], self._render(stage, waiting[-1])):
+            waiting.append(task)
+            for message in self._tried(task, faces.render(stage, task.capture)):
                 done += 1
-                self.progress, self.message = done / total, message
-                yield
-            held = sum(capture.bytes_held for capture in waiting)
+                yield done / total, message
+            held = sum(task.capture.bytes_held for task in waiting)
             if task is not tasks[-1] and held < _HELD_BYTES and time.perf_counter() - begin < _HELD_SECONDS:
                 continue
-            for capture in waiting:
-                for message in self._tried(capture, self._store(capture)):
+            for held_task in waiting:
+                for message in self._tried(held_task, self._store(held_task)):
                     done += 1
-                    self.progress, self.message = done / total, message
-                    yield
+                    yield done / total, message
             waiting, begin = [], time.perf_counter()
 
-    def _tried(self, capture: _Capture, work: Iterator[str]) -> Iterator[str]:
+    def _tried(self, task: _Task, work: Iterator[str]) -> Iterator[str]:
         """What a piece of work on a probe does; an error that is expected becomes the probe's result."""
-        if capture.failed:
+        if task.failed:
             return
         begin = time.perf_counter()
         try:
             for message in work:
-                capture.seconds += time.perf_counter() - begin
-                yield f"{capture.task.spec.name}: {message}"
+                task.capture.seconds += time.perf_counter() - begin
+                yield f"{task.name}: {message}"
                 begin = time.perf_counter()
         except Cancelled:
             raise
         except PccError as error:
-            capture.failed = True
-            capture.faces.clear()
-            self.results.append(BakedProbe(capture.task.spec.name, str(error)))
-        capture.seconds += time.perf_counter() - begin
+            task.failed = True
+            task.capture.forget()
+            self.results.append(BakedProbe(task.name, str(error)))
+        task.capture.seconds += time.perf_counter() - begin
 
     def _read_probes(self) -> list[tuple[bpy.types.Object, ProbeSpec]]:
         """The sound ones among the probes to bake, with their records; faults become results."""
@@ -230,39 +274,11 @@ class BakeJob:
                 self.results.append(BakedProbe(probe.name, str(error)))
         return ready
 
-    def _render(self, stage: Stage, capture: _Capture) -> Iterator[str]:
-        """Render the faces of one probe, or take its picture from elsewhere; yields what comes next."""
-        spec = capture.task.spec
-        if spec.source.stretched:
-            taken = yield from environment.take(spec, self._scene)
-            capture.picture = taken.picture
-            capture.replaced += taken.replaced
-            return
-        with ExitStack() as stack:
-            stage.aim(stack, spec)
-            for index, face in enumerate(FACES):
-                yield f"face {face.name}"
-                picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
-                capture.faces.append(picture)
-                if bad is None and spec.engine is Engine.CYCLES and spec.denoise:
-                    _, bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)
-                    bad = bad and replace(bad, glimpsed=True)
-                capture.replaced += [str(bad)] if bad else []
-                capture.seconds += stage.owed.pop(spec.name, 0.0)
-
-    def _store(self, capture: _Capture) -> Iterator[str]:
+    def _store(self, task: _Task) -> Iterator[str]:
         """Assemble, blur and store the faces of one probe; yields what comes next."""
-        task, replaced = capture.task, capture.replaced
-        probe, spec = task.probe, task.spec
-        yield "assembling"
-        given = capture.picture
-        pictures = {0.0: equirect.from_faces(capture.faces, OVERSCAN) if given is None else given}
-        black = is_nearly_black(pictures[0.0])
-        warnings = (black_capture(spec, self._scene, self._view_layer),) if black else ()
-        for roughness in task.roughnesses:
-            if roughness > 0.0:
-                yield f"roughness {roughness:.3g}"
-                pictures[roughness] = prefilter(pictures[0.0], roughness)
+        capture, probe, spec = task.capture, task.probe, task.capture.spec
+        pictures = yield from faces.levels_of(capture, task.roughnesses)
+        warnings = faces.warnings_of(pictures[0.0], spec, self._scene, self._view_layer)
         yield "storing"
         seconds = capture.seconds
         record = Sidecar.of_bake(
@@ -272,17 +288,23 @@ class BakeJob:
             content_hash=task.content_hash,
             blender=bpy.app.version_string,
             addon=ADDON_VERSION,
-            replaced_pixels=tuple(replaced),
+            replaced_pixels=tuple(capture.replaced),
         )
         levels.store(probe, record, pictures, self._folder)
-        refresh_group(probe, task.plan.receivers, task.plan.shares)
+        self._show(probe, task.plan)
+        files = self._files(probe)
+        self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(capture.replaced), tuple(warnings)))
+        capture.forget()
+
+    def _show(self, probe: bpy.types.Object, plan: ProbePlan) -> None:
+        """Let everything that shows a probe show its new bake."""
+        refresh_group(probe, plan.receivers, plan.shares)
         interior.follow_bake(probe)
         by_hand.refresh(probe)
+
+    def _files(self, probe: bpy.types.Object) -> tuple[str, ...]:
         images = [level.image for level in probe.pcc_probe.levels]
-        files = tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
-        self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(replaced), warnings))
-        capture.faces.clear()
-        capture.picture = None
+        return tuple(bpy.path.abspath(image.filepath) for image in images if not image.packed_file)
 
 
 def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:

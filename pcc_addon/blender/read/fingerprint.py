@@ -17,6 +17,7 @@ from ...core.errors import ProbeError
 from ...core.picture_files import digest, picture_files
 from ...core.probe import ProbeSpec, Source
 from .. import marks
+from .evaluated import evaluated, plays_pictures
 from .scene import rendered_objects
 
 _OBJECT_FLAGS = ("visible_glossy", "visible_diffuse", "visible_transmission", "visible_shadow", "is_shadow_catcher")
@@ -40,7 +41,7 @@ _CAPTURED = [
     for field in fields(ProbeSpec)
     if field.name
     not in {"name", "box", "capture_offset", "padding", "falloff", "outside", "corrected", "hidden", "animated"}
-    | {"source", "picture", "influence"}
+    | {"source", "picture", "influence", "followed"}
 ]
 _NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
 _ID_BOOKKEEPING = {p.identifier for p in bpy.types.ID.bl_rna.properties}
@@ -58,11 +59,15 @@ class SceneFingerprint:
             for item in rendered_objects(scene, view_layer)
             if not item.hide_render and (item.type not in _NOT_SEEN or item.instance_type != "NONE")
         }
+        for name, made in evaluated(scene, view_layer).items():
+            if name in self._objects:
+                self._objects[name] += made
         lines = [f"cycles.{name} {getattr(scene.cycles, name)}" for name in _CYCLES]
         world = []
         if scene.world:
             world.append(f"world {scene.world.color[:]}")
             world += node_lines(scene.world.node_tree)
+            world += [f"frame {scene.frame_current_final}"] * plays_pictures(scene.world.node_tree)
         lines += world
         self._world = "\n".join(world)
         self._setting = "\n".join(lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import lru_cache
 
 import bpy
 import numpy as np
@@ -44,11 +45,14 @@ def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types
 
 
 def hidden_objects(probe: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects that a probe's capture leaves out, by name."""
+    """The objects that a probe's capture leaves out, by name: those chosen, and what it follows with all its parts."""
     settings = probe.pcc_probe
     found = {item.object.name: item.object for item in settings.hidden_objects if item.object}
     if settings.hidden_collection:
         found.update({o.name: o for o in settings.hidden_collection.all_objects})
+    if settings.follow:
+        parts = (settings.follow, *settings.follow.children_recursive)
+        found.update({o.name: o for o in parts if o.type != "LIGHT" and not o.pcc_probe.is_probe})
     return [found[name] for name in sorted(found)]
 
 
@@ -71,6 +75,7 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         source=Source(settings.source),
         picture=bpy.path.abspath(settings.picture, library=probe.library) if settings.picture else "",
         influence=_influence(settings),
+        followed=tuple(settings.follow.matrix_world.translation) if settings.follow else None,
         **{name: getattr(settings, name) for name in _AS_SET},
     )
 
@@ -118,6 +123,12 @@ def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Non
             f"probe '{probe.name}': view layer '{view_layer.name}' leaves its collection out, so nobody knows where it "
             "is; include the collection, or remove the probe"
         )
+    followed = probe.pcc_probe.follow
+    if followed is not None and view_layer.objects.get(followed.name) != followed:
+        raise ProbeError(
+            f"probe '{probe.name}' follows '{followed.name}', which is not in view layer '{view_layer.name}', so "
+            "nobody knows where it is; include its collection, or let the probe follow something else"
+        )
     if not probe.visible_get(view_layer=view_layer) and not is_animated(probe):
         parent = probe.parent.matrix_world @ probe.matrix_parent_inverse if probe.parent else Matrix()
         expected = np.array(parent @ probe.matrix_basis)
@@ -126,6 +137,26 @@ def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Non
                 f"probe '{probe.name}' was moved while it is disabled in viewports, and its place is not up to date; "
                 "enable it"
             )
+
+
+def check_seen(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
+    """Refuse a probe that moves, or follows what moves, where viewports leave that out: it is not moved then.
+
+    Raises:
+        ProbeError: names it and says what to do.
+    """
+    for item in (probe, probe.pcc_probe.follow):
+        if item is not None and is_animated(item) and is_disabled(item, view_layer):
+            raise ProbeError(
+                f"probe '{probe.name}': '{item.name}' is animated and disabled in viewports, so nobody knows where it "
+                "is at each frame; enable it"
+            )
+
+
+def is_disabled(item: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> bool:
+    """Whether viewports leave an object out, so that animation does not move it; what is only hidden is moved."""
+    kept = item.visible_get(view_layer=view_layer) or item.hide_get(view_layer=view_layer)
+    return item.name in view_layer.objects and (item.hide_viewport or not kept)
 
 
 def _drawn_cube(probe: bpy.types.Object) -> np.ndarray:
@@ -153,4 +184,10 @@ def bake_record(probe: bpy.types.Object) -> Sidecar | None:
         BakeError: the record is damaged or of a later version.
     """
     text = probe.pcc_probe.bake_record
-    return Sidecar.from_json(text, f"bake record of '{probe.name}'") if text else None
+    return _read_record(text, f"bake record of '{probe.name}'") if text else None
+
+
+@lru_cache(maxsize=64)
+def _read_record(text: str, origin: str) -> Sidecar:
+    """That of a sequence is long, and handlers ask for it again and again."""
+    return Sidecar.from_json(text, origin)

@@ -57,7 +57,7 @@ def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Prob
         spec = probe_spec(probe)
         record = bake_record(probe)
         if record:
-            captured_at, source = record.capture_point, record.source
+            captured_at, source = record.capture_point_apart_from(spec.box.centre), record.source
     except PccError as error:
         fault = str(error)
     return ProbeReading(probe.name, spec, fault, captured_at, source)

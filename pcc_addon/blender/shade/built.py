@@ -11,6 +11,7 @@ from collections.abc import Collection
 import bpy
 
 from .. import marks
+from . import playback
 
 _RECIPE, _RESULT = "recipe", "result"  # notes on a group: what it was built from, and what came of that
 _SETTINGS = ("operation", "interpolation", "projection")
@@ -45,7 +46,9 @@ def built_alike(role: str, recipe: str, changing: Collection[str]) -> bpy.types.
 
 
 def _result(tree: bpy.types.ShaderNodeTree, changing: Collection[str]) -> str:
-    drivers = tree.animation_data.drivers if tree.animation_data else ()
+    drivers = [
+        curve for curve in (tree.animation_data.drivers if tree.animation_data else ()) if not playback.is_ours(curve)
+    ]
     lines = [repr([(curve.data_path, curve.array_index, curve.driver.expression) for curve in drivers])]
     lines += [repr((item.in_out, item.name, item.bl_socket_idname)) for item in tree.interface.items_tree]
     for node in tree.nodes:

@@ -13,7 +13,7 @@ from ...core.effects import by_hand as formula
 from ...core.errors import BakeError
 from .. import marks
 from ..read.probes import bake_record, probe_spec
-from . import built, groups, probe_group
+from . import built, groups, playback, probe_group
 from .drivers import DRIVEN, driven_object
 from .node_builder import Surroundings, declare_sockets, emit
 
@@ -120,7 +120,8 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
     if record is None:
         return
     # A user may put it on any surface, so nothing is known of those that show it.
-    effects = spec.effects(probe_group.UNKNOWN_RECEIVERS, record.capture_point, record.source)
+    captured_at = record.capture_point_apart_from(spec.box.centre)
+    effects = spec.effects(probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
     rungs, images, heights = probe_group.shown_levels(probe)
     known = probe_group.known_values(spec, record, effects.correction)
     changing = {*known, *DRIVEN}
@@ -128,6 +129,8 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
     tree.name = f"PCC {probe.name}"
     if built.is_built(tree, recipe, changing):
         probe_group.change(tree, probe, images, known)
+        playback.stop(tree)
+        playback.play(tree, record, images.values())
         return
     before = tree.nodes.get(_SHOWN)
     shown = before.outputs[0].default_value if before else 1.0
@@ -139,6 +142,8 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
     emit(tree, outputs, Surroundings(fed, images, groups.formula_group, frozenset({"Radiance"})))
     _describe(tree, INPUTS, OUTPUTS)
     built.note_built(tree, recipe, changing)
+    playback.stop(tree)
+    playback.play(tree, record, images.values())
     marks.note(tree, marks.VERSION, VERSION)
 
 

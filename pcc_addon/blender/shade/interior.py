@@ -17,6 +17,7 @@ from ...core.window import Side, room_of
 from .. import marks
 from ..read.probes import bake_record
 from ..store.pictures import check_pixels
+from . import playback
 from .groups import formula_group
 from .node_builder import Surroundings, declare_sockets, emit
 
@@ -213,6 +214,12 @@ def _build(tree: bpy.types.ShaderNodeTree, window: Window) -> None:
     given = _given(tree)
     outputs = formula.interior(record).outputs
     emit(tree, outputs, Surroundings(given, window.images, formula_group, _COLOURS))
+    playback.stop(tree)
+    for probe in (o for o in bpy.data.objects if o.pcc_probe.uid):
+        shown = {room.image for room in window.rooms if room.uid == probe.pcc_probe.uid}
+        baked = bake_record(probe) if shown else None
+        if baked is not None:
+            playback.play(tree, baked, shown)
     plain = asdict(record)
     marks.note(tree, _RECORD, json.dumps({**plain, "cells": record.cells.value}))
     marks.note(tree, _ROOMS, json.dumps([{"uid": room.uid, "side": room.side.value} for room in window.rooms]))

@@ -18,6 +18,7 @@ from ..read.fingerprint import node_lines
 from ..read.materials import read_material
 from ..read.probes import probe_spec
 from . import by_hand, copies, probe_group
+from .animation import repeat_animation
 from .probe_group import probe_of, shown_probe
 from .sketch import OF, VALUES, repeat_value
 from .twin import add_twins, has_twins, is_torn, remove_twins, shown_probe_groups
@@ -61,6 +62,7 @@ def copy_values(tree: bpy.types.ShaderNodeTree) -> None:
             known = values.get(socket.identifier)
             if known in theirs and not socket.is_linked:
                 repeat_value(theirs[known], socket)
+                repeat_animation(theirs[known], socket)
 
 
 def _signature(material: bpy.types.Material, order: TwinOrder) -> str:

@@ -17,7 +17,7 @@ from ...core.sidecar import Sidecar
 from .. import marks
 from ..read.probes import bake_record, probe_spec
 from ..store.pictures import check_pixels
-from . import built, groups
+from . import built, groups, playback
 from .drivers import DRIVEN, driven_object, driven_vector, follow
 from .node_builder import Surroundings, emit
 from .twin_order import ShownProbe
@@ -51,7 +51,7 @@ def refresh_group(
     if record is None:
         return
     spec = probe_spec(probe)
-    effects = spec.effects(receivers, record.capture_point, record.source)
+    effects = spec.effects(receivers, record.capture_point_apart_from(spec.box.centre), record.source)
     rungs, images, heights = shown_levels(probe)
     known = known_values(spec, record, effects.correction)
     if shares is None:
@@ -67,6 +67,8 @@ def refresh_group(
         fed = given(tree, probe)
         emit(tree, formula.outputs, Surroundings(fed, images, groups.formula_group, frozenset(images)))
         built.note_built(tree, recipe, changing)
+    playback.stop(tree)
+    playback.play(tree, record, images.values())
     marks.note(tree, marks.VERSION, VERSION)
     marks.note(tree, _BUILT_FOR, _place(probe))
     marks.note(tree, _EFFECTS, effects.label)
@@ -102,7 +104,7 @@ def probe_of(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
     followed = driven_object(tree)
     if followed is not None:
         return followed if followed.users_collection or followed.library else None
-    if tree.animation_data is not None and len(tree.animation_data.drivers):
+    if any(curve.driver.variables for curve in (tree.animation_data.drivers if tree.animation_data else ())):
         return None
     return next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
 

@@ -10,6 +10,7 @@ from ...core.expression import Formula
 from .. import marks
 from ..read.nodes import Scope, source
 from . import groups
+from .animation import repeat_animation
 
 VALUES = "values"  # note on a twin's node: which of its inputs repeat which of the original's
 OF = "of"  # note on a twin's node: the name of the original
@@ -75,6 +76,7 @@ class Sketch:
             self.link(feeding, new)
             return
         repeat_value(old, new)
+        repeat_animation(old, new)
         marks.note(new.node, OF, old.node.name)
         marks.note(new.node, VALUES, {**dict(marks.noted(new.node, VALUES, {})), new.identifier: old.identifier})
 

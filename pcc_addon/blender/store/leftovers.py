@@ -67,11 +67,11 @@ def after_save(blend: Path) -> None:
         _say_who_uses(blend, shown)
     if blend == Path(bpy.data.filepath).resolve():
         _replaced.update(_written)
-        _replaced.difference_update(shown)
+        _replaced.difference_update(_of_families(_replaced, shown))
         _written.clear()
     else:  # a copy: the open file may still need what it does not show now
-        _written.difference_update(shown)
-    _seen.update(shown | _written | _replaced)
+        _written.difference_update(_of_families(_written, shown))
+    _seen.update(shown | {_family(path) for path in _written | _replaced})
     _uids.update(_uids_here())
     with contextlib.suppress(OSError):
         if bpy.app.background:
@@ -89,10 +89,19 @@ def folder_of(blend: Path) -> Path:
 
 
 def _shown() -> set[Path]:
-    """The files of all images that are open, and the sidecars of all probes."""
+    """The families of the files of all images that are open, and the sidecars of all probes."""
     images = [image for image in bpy.data.images if image.filepath and not image.packed_file]
-    found = {Path(bpy.path.abspath(image.filepath, library=image.library)).resolve() for image in images}
+    found = {_family(Path(bpy.path.abspath(image.filepath, library=image.library)).resolve()) for image in images}
     return found | {path for path, _ in _sidecars()}
+
+
+def _family(path: Path) -> Path:
+    """A path that all pictures of a sequence have in common, since an image names only the first; else the path."""
+    return path.with_name(sidecar.file_family(path.name)) if path.name else path
+
+
+def _of_families(paths: Iterable[Path], families: set[Path]) -> set[Path]:
+    return {path for path in paths if _family(path) in families}
 
 
 def _sidecars() -> Iterator[tuple[Path, bpy.types.Object]]:
@@ -133,16 +142,22 @@ def _unmentioned(folder: Path, shown: set[Path]) -> set[Path]:
     newest = {found[path]: path for path in sidecars if ours[found[path]]}
     kept = {path.name for path in shown} | {path.name for path in newest.values()}
     for path in newest.values():  # another session may have baked and not saved yet
-        kept |= _described(path)
-    doubtful = {path for path in found if path.name not in kept}
+        kept |= _families(path)
+    doubtful = {path for path in found if sidecar.file_family(path.name) not in kept}
     if not doubtful:
         return set()
     mentioned = _mentioned(folder)
     if mentioned is None:
         return set()
-    gone = {path for path in doubtful if path.suffix != ".json" and path.name not in mentioned}
-    lonely = {path for path in doubtful if path.suffix == ".json" and not _described(path) & (mentioned | kept)}
+    mentioned = {sidecar.file_family(name) for name in mentioned}
+    gone = {path for path in doubtful if path.suffix != ".json" and sidecar.file_family(path.name) not in mentioned}
+    lonely = {path for path in doubtful if path.suffix == ".json" and not _families(path) & (mentioned | kept)}
     return gone | lonely
+
+
+def _families(path: Path) -> set[str]:
+    """The families of the pictures that a sidecar describes."""
+    return {sidecar.file_family(name) for name in _described(path)}
 
 
 def _described(path: Path) -> set[str]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import replace
@@ -16,9 +14,9 @@ from ...core import sidecar
 from ...core.errors import BakeError
 from ...core.pictures import PictureKey, PictureKind
 from ...core.prefilter import prefilter
-from ...core.workplace import UNFINISHED, temporary_folder
 from ..read.probes import bake_record, check_own
-from . import leftovers, pictures
+from . import leftovers, pictures, sequences
+from .keeping import cannot_write, folder_for_parts, keep, linked, own_images, packed, rename_pictures, rung
 
 
 def bake_folder(scene: bpy.types.Scene, blend: str | None = None) -> Path | None:
@@ -54,15 +52,15 @@ def store(
     described = tuple(_described(stem, k, r, levels[r]) for k, r in enumerate(sorted(levels)))
     with ExitStack() as stack:
         stack.enter_context(pictures.desk())
-        parts = _folder_for_parts(stack, folder)
+        parts = folder_for_parts(stack, folder)
         for level in described:
             pictures.write_file(parts / level.file, levels[level.roughness])
         described = tuple(replace(level, size=(parts / level.file).stat().st_size) for level in described)
         record = replace(record, levels=described)
-        own = _own_images(probe)
+        own = own_images(probe)
         if folder is None:
             images = {
-                level.roughness: _packed(parts / level.file, own.get(_rung(level.roughness)), probe, level)
+                level.roughness: packed(parts / level.file, own.get(rung(level.roughness)), probe, level)
                 for level in described
             }
         else:
@@ -74,13 +72,9 @@ def store(
                 sidecar.move_into_place(parts, folder, names)
                 leftovers.wrote(new)
             except OSError as error:
-                raise BakeError(_cannot_write(probe, folder, error)) from error
-            images = {}
-            for level in described:
-                like = next(reversed(images.values()), None)
-                old = own.get(_rung(level.roughness))
-                images[level.roughness] = _linked(folder / level.file, old, like, probe, level)
-    _keep(probe, record, images)
+                raise BakeError(cannot_write(probe, folder, error)) from error
+            images = linked(folder, described, own, probe)
+    keep(probe, record, images)
 
 
 def _described(stem: str, k: int, roughness: float, picture: np.ndarray) -> sidecar.Level:
@@ -104,12 +98,15 @@ def ensure_levels(
     record = bake_record(probe)
     if record is None:
         raise BakeError(f"probe '{probe.name}' has no bake; bake it first")
-    _rename_pictures(probe)
+    rename_pictures(probe)
     have = {round(level.roughness, 4): level.image for level in probe.pcc_probe.levels}
     missing = sorted(set(roughnesses) - set(have))
     if not missing:
         return
     check_own(probe)
+    if record.moments:
+        sequences.add_levels(probe, record, missing, folder)
+        return
     pictures_now = {r: pictures.read_pixels(have[r]) for r in have if have[r]}
     if 0.0 not in pictures_now:
         raise BakeError(f"probe '{probe.name}': its capture is missing from the file; bake it again")
@@ -125,7 +122,7 @@ def check_folder(folder: Path | None) -> None:
         BakeError: nothing can be written there.
     """
     with ExitStack() as stack:
-        _folder_for_parts(stack, folder)
+        folder_for_parts(stack, folder)
 
 
 def faulty_picture(probe: bpy.types.Object, record: sidecar.Sidecar) -> str:
@@ -148,6 +145,8 @@ def _fault_of(image: bpy.types.Image, level: sidecar.Level) -> str:
         torn = level.size and image.packed_file.size != level.size
         return f"its packed picture '{image.name}' is not the one that was baked" if torn else ""
     path = Path(bpy.path.abspath(image.filepath))
+    if level.key.number > 0 and sidecar.file_family(path.name) == sidecar.file_family(level.file):
+        path = path.with_name(level.file)
     if not path.is_file():
         return f"its picture '{path}' is missing"
     if path.name != level.file:
@@ -157,105 +156,3 @@ def _fault_of(image: bpy.types.Image, level: sidecar.Level) -> str:
     if not level.size and not pictures.is_whole(path, level.width, level.height):
         return f"its picture '{path}' cannot be read"
     return ""
-
-
-def _folder_for_parts(stack: ExitStack, folder: Path | None) -> Path:
-    """A folder for unfinished files, on the same disk as the final one; folders that stay empty are gone afterwards."""
-    try:
-        if folder is not None:
-            for missing in reversed([path for path in (folder, *folder.parents) if not path.exists()]):
-                missing.mkdir(exist_ok=True)
-                stack.callback(_remove_if_empty, missing)
-            folder.mkdir(exist_ok=True)  # says what stands in its way
-        return stack.enter_context(temporary_folder(UNFINISHED, folder))
-    except OSError as error:
-        raise BakeError(
-            f"cannot write into '{folder or tempfile.gettempdir()}' ({error.strerror}); make it writable or choose "
-            "another folder"
-        ) from error
-
-
-def _remove_if_empty(folder: Path) -> None:
-    with contextlib.suppress(OSError):
-        folder.rmdir()
-
-
-def _cannot_write(probe: bpy.types.Object, folder: Path, error: OSError) -> str:
-    return f"probe '{probe.name}': cannot write into '{folder}' ({error.strerror}); free space or choose another folder"
-
-
-def _own_images(probe: bpy.types.Object) -> dict[int, bpy.types.Image]:
-    """The images of a probe's levels, without those that a probe and its copy share, by `_rung`."""
-    found = {_rung(level.roughness): level.image for level in probe.pcc_probe.levels if level.image}
-    if found:
-        others = [o.pcc_probe.levels for o in bpy.data.objects if o != probe and o.type == "EMPTY"]
-        shared = {level.image for levels in others for level in levels}
-        found = {rung: image for rung, image in found.items() if image not in shared}
-    return found
-
-
-def _rung(roughness: float) -> int:
-    """A roughness as a key; what Blender keeps is rounded to single precision."""
-    return round(roughness * 1e4)
-
-
-def _rename_pictures(probe: bpy.types.Object) -> None:
-    """Give a renamed probe's pictures its new name; their files follow at the next bake."""
-    names = {level.image: _image_name(probe, level.roughness) for level in probe.pcc_probe.levels if level.image}
-    if all(image.name.startswith(name) for image, name in names.items()):
-        return
-    for image in _own_images(probe).values():
-        if not image.name.startswith(names[image]):
-            image.name = names[image]
-
-
-def _image_name(probe: bpy.types.Object, roughness: float) -> str:
-    return f"PCC {probe.name} {roughness:.4f}"
-
-
-def _linked(
-    path: Path,
-    old: bpy.types.Image | None,
-    like: bpy.types.Image | None,
-    probe: bpy.types.Object,
-    level: sidecar.Level,
-) -> bpy.types.Image:
-    if old is not None and not old.packed_file and Path(bpy.path.abspath(old.filepath)).resolve() == path:
-        old.reload()
-        return _named(old, probe, level)
-    return _in_place_of(old, pictures.load(path, like), probe, level)
-
-
-def _packed(path: Path, old: bpy.types.Image | None, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
-    image = pictures.load(path)
-    image.pack()
-    return _in_place_of(old, image, probe, level)
-
-
-def _in_place_of(
-    old: bpy.types.Image | None, image: bpy.types.Image, probe: bpy.types.Object, level: sidecar.Level
-) -> bpy.types.Image:
-    """A new picture wherever the one before was used. Each has its own data block, which undo brings back whole."""
-    if old is not None:
-        old.user_remap(image)
-        bpy.data.images.remove(old)
-    return _named(image, probe, level)
-
-
-def _named(image: bpy.types.Image, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
-    image.name = _image_name(probe, level.roughness)
-    return image
-
-
-def _keep(probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image]) -> None:
-    """Let the probe know its pictures and their record; pictures that nobody shows any more are removed."""
-    settings = probe.pcc_probe
-    before = {level.image for level in settings.levels if level.image}
-    settings.levels.clear()
-    for roughness in sorted(images):
-        level = settings.levels.add()
-        level.roughness, level.image = roughness, images[roughness]
-    settings.bake_record = record.to_json()
-    for image in before - set(images.values()):
-        if image.users == 0:
-            bpy.data.images.remove(image)

@@ -1,0 +1,86 @@
+"""From six renders, or a picture from elsewhere, to the levels of one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+
+import bpy
+import numpy as np
+
+from ...core import equirect, radiance
+from ...core.cubemap import FACES
+from ...core.prefilter import prefilter
+from ...core.probe import Engine, ProbeSpec
+from . import environment
+from .capture import OVERSCAN, Stage
+from .surroundings import black_capture, is_nearly_black
+
+
+@dataclass
+class Capture:
+    """The faces of one probe that wait to be assembled, what was wrong in them, and the seconds spent on it.
+
+    A picture that was not captured in the box stands for the faces.
+    """
+
+    spec: ProbeSpec
+    faces: list[np.ndarray] = field(default_factory=list)
+    picture: np.ndarray | None = None
+    replaced: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+
+    @property
+    def bytes_held(self) -> int:
+        return sum(face.nbytes for face in self.faces) + (0 if self.picture is None else self.picture.nbytes)
+
+    def forget(self) -> None:
+        """Let go of all pictures."""
+        self.faces.clear()
+        self.picture = None
+
+
+def steps(spec: ProbeSpec, roughnesses: Sequence[float]) -> int:
+    """Pieces of work: six faces or a picture from elsewhere, assembling, each level but the sharpest, storing."""
+    return environment.steps(spec.source) + 1 + len(roughnesses)
+
+
+def render(stage: Stage, capture: Capture) -> Iterator[str]:
+    """Render the faces of one probe, or take its picture from elsewhere; yields what comes next."""
+    spec = capture.spec
+    if spec.source.stretched:
+        taken = yield from environment.take(spec, stage.scene)
+        capture.picture = taken.picture
+        capture.replaced += taken.replaced
+        return
+    with ExitStack() as stack:
+        stage.aim(stack, spec)
+        for index, face in enumerate(FACES):
+            yield f"face {face.name}"
+            picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
+            capture.faces.append(picture)
+            if bad is None and spec.engine is Engine.CYCLES and spec.denoise:
+                _, bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)
+                bad = bad and replace(bad, glimpsed=True)
+            capture.replaced += [str(bad)] if bad else []
+            capture.seconds += stage.owed.pop(spec.name, 0.0)
+
+
+def levels_of(capture: Capture, roughnesses: Sequence[float]) -> Generator[str, None, dict[float, np.ndarray]]:
+    """The pictures (2n, 4n, 3) by roughness, with 0 for the capture itself; yields what comes next."""
+    yield "assembling"
+    given = capture.picture
+    pictures = {0.0: equirect.from_faces(capture.faces, OVERSCAN) if given is None else given}
+    for roughness in roughnesses:
+        if roughness > 0.0:
+            yield f"roughness {roughness:.3g}"
+            pictures[roughness] = prefilter(pictures[0.0], roughness)
+    return pictures
+
+
+def warnings_of(
+    picture: np.ndarray, spec: ProbeSpec, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
+) -> list[str]:
+    """What the user should know of a capture (h, 2h, 3), in words."""
+    return [black_capture(spec, scene, view_layer)] if is_nearly_black(picture) else []
