@@ -48,13 +48,27 @@ def lobe_samples(cosine: float, roughness: float, grid: int = 96) -> tuple[np.nd
         (grid²,) float64 each: the cosine between view and microfacet, and how much of the light that the microfacet
         mirrors leaves the surface.
     """
+    facets, _, leaving = reflected_samples(cosine, roughness, grid)
+    return facets, leaving
+
+
+def reflected_samples(cosine: float, roughness: float, grid: int = 96) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`lobe_samples` with the way that the mirrored light takes.
+
+    The normal is z, and the view lies over the x axis.
+
+    Returns:
+        (grid²,) the cosine between view and microfacet, (grid², 3) the unit direction in which the microfacet mirrors
+        the view, and (grid²,) how much of the light leaves the surface.
+    """
     alpha = roughness * roughness
     view = np.array([np.sqrt(1.0 - cosine * cosine), 0.0, cosine])
     half = _visible_normals(cosine, alpha, grid)
     view_half = np.clip(half @ view, 0.0, 1.0)
-    light_cosine = 2.0 * view_half * half[:, 2] - cosine
-    lambda_view, lambda_light = _smith_lambda(cosine, alpha), _smith_lambda(light_cosine, alpha)
-    return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
+    light = 2.0 * view_half[:, None] * half - view
+    lambda_view, lambda_light = _smith_lambda(cosine, alpha), _smith_lambda(light[:, 2], alpha)
+    leaving = np.where(light[:, 2] > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
+    return view_half, light, leaving
 
 
 def transmitted_samples(cosine: float, roughness: float, eta: float, grid: int = 96) -> tuple[np.ndarray, np.ndarray]:

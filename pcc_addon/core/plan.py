@@ -56,7 +56,7 @@ class SurfacePlan:
     def levels(self, rungs: Sequence[float], ray: Ray) -> range:
         """Which levels of a ladder of ascending roughnesses it reads along one of its rays."""
         low, high = self.roughness
-        return neighbours(rungs, low * ray.narrowing, high * ray.narrowing)
+        return neighbours(rungs, low * ray.least * ray.narrowing, high * ray.narrowing)
 
     @property
     def captured_whole(self) -> bool:

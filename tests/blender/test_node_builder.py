@@ -12,6 +12,8 @@ from pcc_addon.blender.shade import groups, node_builder
 from pcc_addon.core import expression as ex
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects.dielectric import Dielectric
+from pcc_addon.core.effects.dominant import dominant
+from pcc_addon.core.effects.fresnel import METAL, MIRRORS, dielectric_facets
 from pcc_addon.core.effects.lookup import DIRECTION, OFFSET, POSITION, lookup, lookup_formula
 from pcc_addon.core.effects.metal import Metal
 from pcc_addon.core.effects.multiscatter import Multiscatter
@@ -218,6 +220,25 @@ def check_like_numpy(found: np.ndarray, expected: np.ndarray, exact: np.ndarray,
     allowed = np.abs(expected - exact) + 16.0 * unit_size
     worst = np.unravel_index((error - allowed).argmax(), error.shape)
     assert (error <= allowed).all(), f"case {worst}: {found[worst]} where NumPy has {expected[worst]}"
+
+
+@pytest.mark.parametrize("facets", [(MIRRORS,), (dielectric_facets(1.5), METAL)], ids=len)
+def test_the_dominant_direction_group_computes_the_formula(scene, rng, facets) -> None:
+    normal, incoming = unit(rng, CASES), unit(rng, CASES)
+    incoming *= np.sign((normal * incoming).sum(-1, keepdims=True))
+    values = {
+        "Metallic": rng.random(CASES),
+        "Roughness": np.where(rng.random(CASES) < 0.2, 0.0, rng.random(CASES)),
+        "Normal": normal,
+        "Incoming": incoming,
+    }
+    values = {k: np.asarray(v, np.float32) for k, v in values.items()}
+    formula = dominant(facets)
+    found = evaluate_group(groups.formula_group(formula), values)
+    expected = evaluate(formula.outputs, values)
+    exact = evaluate(formula.outputs, values, np.float64)
+    for name in formula.outputs:
+        check_like_numpy(found[name], expected[name], exact[name], np.float32(32.0 * EPS))
 
 
 SURFACES = [

@@ -21,6 +21,7 @@ from pcc_addon.blender.shade.twin import (
     shown_probe_groups,
 )
 from pcc_addon.blender.shade.twin_order import TwinOrder
+from pcc_addon.core.effects.dominant import LEAST_BLUR
 from pcc_addon.core.effects.roughness import neighbours
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.plan import plan_surfaces
@@ -94,20 +95,23 @@ def test_a_twin_shows_what_is_left_and_the_reflection_but_to_diffuse_rays_the_or
     assert set(reflection_nodes(material)) == {top, glow}
 
 
-def test_the_reflection_is_of_the_radiance_between_two_levels_of_the_probe(probe) -> None:
+def test_the_reflection_is_of_the_radiance_between_levels_of_the_probe(probe) -> None:
     material = injected(rough())
     [lit], [shown] = (
         called(material, "Reflectance"),
         [n for n in ours(material, "ShaderNodeGroup") if n.node_tree == probe.pcc_probe.group],
     )
     between, radiance = fed(lit, "Radiance")
-    assert radiance == "Radiance" and between.inputs["Roughness"].default_value == pytest.approx(0.3)
-    low, high = neighbours(LADDER, 0.3, 0.3)
-    assert fed(between, "Level 0") == (shown, f"Level {low}") and fed(between, "Level 1") == (shown, f"Level {high}")
-    assert f"{LADDER[low]:.3g} {LADDER[high]:.3g}" in between.label
+    read = neighbours(LADDER, LEAST_BLUR * 0.3, 0.3)
+    assert radiance == "Radiance" and len(read) == 3
+    for k, level in enumerate(read):
+        assert fed(between, f"Level {k}") == (shown, f"Level {level}")
+    assert " ".join(f"{LADDER[level]:.3g}" for level in read) in between.label
+    way, blur = fed(between, "Roughness")
+    assert blur == "Roughness" and way.inputs["Roughness"].default_value == pytest.approx(0.3)
     assert shown.node_tree == probe.pcc_probe.group and shown_probe_groups(material) == (probe.pcc_probe.group,)
-    mirror, _ = fed(shown, "Direction")
-    for node, name in ((mirror, "Normal"), (mirror, "Incoming"), (lit, "Normal"), (lit, "Incoming")):
+    assert fed(shown, "Direction") == (way, "Direction")
+    for node, name in ((way, "Normal"), (way, "Incoming"), (lit, "Normal"), (lit, "Incoming")):
         geometry, output = fed(node, name)
         assert (geometry.bl_idname, output) == ("ShaderNodeNewGeometry", name)
     assert len(ours(material, "ShaderNodeNewGeometry")) == 1

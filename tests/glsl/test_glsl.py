@@ -13,6 +13,8 @@ import pytest
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import lookup
 from pcc_addon.core.effects.dielectric import Dielectric
+from pcc_addon.core.effects.dominant import dominant
+from pcc_addon.core.effects.fresnel import METAL, dielectric_facets
 from pcc_addon.core.effects.interior import Cells, Interior, RoomPicture, interior
 from pcc_addon.core.effects.metal import Metal
 from pcc_addon.core.effects.multiscatter import Multiscatter
@@ -31,6 +33,7 @@ FORMULAS = [
     lookup.probe(LookupEffects(Correction.NONE, None, False), {"Level 0": 32}),
     *(lookup.probe(effects, {"Level 0": 64, "Level 1": 32}, shares=True) for effects in LOOKUPS),
     mixed_formula((0.0, 0.1, 0.3)),
+    dominant((dielectric_facets(1.5), METAL)),
     interior(Interior((RoomPicture(), RoomPicture(capture=(0.1, 0.2, 0.3))), middle=True, curtains=True)),
     interior(Interior((RoomPicture(),), Cells.UV)),
     surface_formula(SurfaceEffects((Multiscatter(), Dielectric.of(1.5, None), Metal(tinted=True)))),
@@ -131,6 +134,17 @@ def test_a_surface_reflects_what_numpy_says(driver: None) -> None:
     found, expected = run(formula, inputs), evaluate(formula.outputs, inputs)
     for name, values in expected.items():
         np.testing.assert_allclose(found[name], values, atol=2e-4)
+
+
+def test_a_rough_surface_is_looked_up_where_numpy_looks(driver: None) -> None:
+    rng = np.random.default_rng(7)
+    normal, incoming = directions(2000, rng), directions(2000, rng)
+    incoming *= np.sign((normal * incoming).sum(-1, keepdims=True))
+    inputs = {"Normal": normal, "Incoming": incoming, "Roughness": rng.random(2000), "Metallic": rng.random(2000)}
+    formula = dominant((dielectric_facets(1.5), METAL))
+    found, expected = run(formula, inputs), evaluate(formula.outputs, inputs)
+    for name, values in expected.items():
+        np.testing.assert_allclose(found[name], values, atol=1e-5)
 
 
 def test_random_numbers_are_the_same_bit_by_bit(driver: None) -> None:

@@ -26,6 +26,7 @@ PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for lat
 _FROM_THE_PROBE = frozenset(
     {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight"}
 )  # not copied into the diffuse part
+_OF_THE_NODE = frozenset({"IOR", "Roughness", "Metallic"})  # what rays ask of the user's node
 _ShaderOf = Callable[[bpy.types.Node, int], bpy.types.NodeSocket]
 
 
@@ -202,7 +203,7 @@ class SurfaceBuilder:
                     self.sketch.link(way.outputs[name], probe.inputs[name])
             if "Normal" in probe.inputs:
                 self.sketch.link(self._normal(), probe.inputs["Normal"])
-            self.sketch.link(self._radiance(shown, probe, ray, row), lit.inputs[ray.radiance])
+            self.sketch.link(self._radiance(shown, probe, ray, way, row), lit.inputs[ray.radiance])
             nodes.append(probe)
         return nodes[0]
 
@@ -212,8 +213,8 @@ class SurfaceBuilder:
             formula = self.plan.effects.rays[k].formula
             way = self._ways[k] = self._call(formula, -1000.0, 0.5 * k)
             for socket in way.inputs:
-                if socket.name == "IOR":
-                    self.sketch.repeat(self.node.inputs["IOR"], socket)
+                if socket.name in _OF_THE_NODE:
+                    self.sketch.repeat(self.node.inputs[socket.name], socket)
                 else:
                     self.sketch.link(self._of_the_surface(socket.name), socket)
         return self._ways[k]
@@ -236,7 +237,9 @@ class SurfaceBuilder:
             return unit.outputs[0]
         return self._geometry(name)
 
-    def _radiance(self, shown: ShownProbe, probe: bpy.types.Node, ray: Ray, row: float) -> bpy.types.NodeSocket:
+    def _radiance(
+        self, shown: ShownProbe, probe: bpy.types.Node, ray: Ray, way: bpy.types.Node, row: float
+    ) -> bpy.types.NodeSocket:
         """What a probe shows along a ray at the surface's roughness."""
         levels = self.plan.levels(shown.rungs, ray)
         if len(levels) == 1:
@@ -244,7 +247,10 @@ class SurfaceBuilder:
         formula = mixed_formula(tuple(shown.rungs[k] / ray.narrowing for k in levels))
         given = {level_name(i): probe.outputs[level_name(k)] for i, k in enumerate(levels)}
         mixed = self._call(formula, -500.0, row, given)
-        self.sketch.repeat(self.node.inputs["Roughness"], mixed.inputs["Roughness"])
+        if "Roughness" in way.outputs:
+            self.sketch.link(way.outputs["Roughness"], mixed.inputs["Roughness"])
+        else:
+            self.sketch.repeat(self.node.inputs["Roughness"], mixed.inputs["Roughness"])
         return mixed.outputs["Radiance"]
 
     def _normal(self) -> bpy.types.NodeSocket:

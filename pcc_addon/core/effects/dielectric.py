@@ -6,7 +6,17 @@ from dataclasses import dataclass, replace
 
 from ..expression import Expr, greatest, lift, maximum, minimum, mix
 from ..readings import SurfaceReading
-from .fresnel import USUAL_IOR, curve_position, f0_from_ior, fresnel, ior_from_f0, schlick, varying_ior_from_f0
+from .fresnel import (
+    USUAL_IOR,
+    Facets,
+    curve_position,
+    dielectric_facets,
+    f0_from_ior,
+    fresnel,
+    ior_from_f0,
+    schlick,
+    varying_ior_from_f0,
+)
 from .multiscatter import with_returned_energy
 from .shading import IOR, SPECULAR_LEVEL, SPECULAR_TINT, Shading
 
@@ -37,6 +47,10 @@ class Dielectric:
             words.append(f"as {self.eta:.6g}")
         words.append("varying F0" if self.f0 is None else f"F0 {self.f0:.6g}")
         return " ".join(words)
+
+    @property
+    def facets(self) -> Facets:
+        return dielectric_facets(max(self.eta, 1.0 / self.eta))
 
     @classmethod
     def wanted(cls, surface: SurfaceReading) -> Dielectric | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import TypeVar
 
@@ -65,3 +66,33 @@ def schlick(cosine: np.ndarray) -> np.ndarray:
 def dip(cosine: np.ndarray) -> np.ndarray:
     """What an F82 tint takes away, but for a factor (Hoffman 2023)."""
     return cosine * (1.0 - cosine) ** 6
+
+
+@dataclass(frozen=True)
+class Facets:
+    """How much the microfacets of a lobe reflect, which decides where most of its light comes from.
+
+    Attributes:
+        label: a short name, unique for the curve.
+        curve: their reflectance by the cosine of the view on them, but for a factor.
+    """
+
+    label: str
+    curve: Curve
+
+
+def _usual_metal(cosine: np.ndarray) -> np.ndarray:
+    return _METAL_F0 + (1.0 - _METAL_F0) * schlick(cosine)
+
+
+_METAL_F0 = 0.7  # between iron and silver
+MIRRORS = Facets("mirrors", np.ones_like)
+"""Facets that reflect as much at all angles."""
+METAL = Facets("metal", _usual_metal)
+"""Those of a metal of usual brightness."""
+
+
+@cache
+def dielectric_facets(eta: float) -> Facets:
+    """Those of a dielectric with an index of refraction of 1 or more."""
+    return Facets(f"IOR {eta:.6g}", lambda cosine: fresnel_dielectric(cosine, eta))

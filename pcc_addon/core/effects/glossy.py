@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from ..expression import maximum
 from ..readings import SurfaceReading
+from .fresnel import MIRRORS, Facets
 from .multiscatter import with_returned_energy
 from .shading import COLOR, Shading
 
@@ -17,6 +18,10 @@ class Glossy:
     @property
     def label(self) -> str:
         return "glossy"
+
+    @property
+    def facets(self) -> Facets:
+        return MIRRORS
 
     @classmethod
     def wanted(cls, surface: SurfaceReading) -> Glossy | None:

@@ -17,8 +17,8 @@ from functools import cache
 import numpy as np
 
 from ..expression import Expr, clamp, multiply_add
-from ..ggx import Curve, lobe_samples, transmitted_samples
-from .fresnel import fresnel_dielectric
+from ..ggx import Curve, lobe_samples, reflected_samples, transmitted_samples
+from .fresnel import Facets, fresnel_dielectric
 
 Coefficients = tuple[tuple[float, ...], ...]  # by term, then by power of the roughness, lowest first
 
@@ -28,6 +28,9 @@ _ROUGHNESSES = np.array([0.01, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.3
 _IMPORTANT = 0.65  # roughness up to which the fit must be good
 _LEAST_F0 = 0.02  # water
 _POWERS = 5  # of roughness in each coefficient
+# Of the angle between the mirrored view and the mean direction of the lobe. The mean is right for light that changes
+# slowly with the direction; edges show where the lobe is densest, which is nearer to the mirrored view.
+_TILT = 0.85
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,18 @@ class Lobe:
         v = self.grazing
         shift = multiply_add(v, multiply_add(v, second, first), multiply_add(self.cosine, slope, constant))
         return clamp(multiply_add(self.alpha, shift, self.cosine))
+
+    def lean(self, facets: Facets) -> Expr:
+        """How much of the normal to add to the mirrored view for the direction that most of the light comes from.
+
+        Both are of length 1.
+
+        Args:
+            facets: which reflect it.
+        """
+        first, second, third = _by_powers(_lean_fit(facets), self.roughness)
+        v = self.grazing
+        return self.alpha * v * multiply_add(v, multiply_add(v, third, second), first)
 
     def average(self, curve: Curve, angles: Curve, at_effective: Expr) -> Expr:
         """The mean of a curve over the lobe that rises and falls, from its value at another's effective cosine.
@@ -185,6 +200,32 @@ def _cosine_fit(curve: Curve, f0: float) -> Coefficients:
     weight = (1.0 - f0) * np.interp(effective, x, slope) / (f0 + (1.0 - f0) * mean) + 1e-3
     alpha, v = roughness**2, _grazing()
     return _fitted([alpha, alpha * c, alpha * v, alpha * v * v], effective - c, weight)
+
+
+@cache
+def _lean_fit(facets: Facets) -> Coefficients:
+    cosine, roughness, _, _ = _grid()
+    tilt = np.array([_TILT * mean_tilt(c, r, facets) for c, r in zip(cosine, roughness, strict=True)])
+    angle = np.arccos(np.minimum(cosine, 1.0 - 1e-4))  # head-on there is nothing to tilt
+    lean = np.sin(angle) / np.tan(angle - tilt) - np.cos(angle)
+    v = _grazing()
+    alpha = roughness**2
+    weight = np.where(cosine < 1.0, 1.0 / (alpha + 0.03), 0.0)  # narrow lobes must not be missed by as much
+    return _fitted([alpha * v, alpha * v**2, alpha * v**3], lean, weight)
+
+
+def mean_tilt(cosine: float, roughness: float, facets: Facets, grid: int = 40) -> float:
+    """By which angle the mean direction of a lobe's light lies nearer to the normal than the mirrored view, radians.
+
+    Args:
+        cosine: between view and normal, in (0, 1].
+        roughness: above 0.
+        facets: which reflect the light.
+        grid: quadrature points on each side.
+    """
+    view_half, light, leaving = reflected_samples(cosine, roughness, grid)
+    x, _, z = (leaving * facets.curve(view_half)) @ light
+    return float(np.arccos(cosine) - np.arctan2(-x, z))
 
 
 @cache

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from ..expression import Expr, clamp, minimum, mix
 from ..readings import SurfaceReading
-from .fresnel import dip, schlick
+from .fresnel import METAL, Facets, dip, schlick
 from .multiscatter import with_returned_energy
 from .shading import BASE_COLOR, EDGE_TINT, METALLIC, SPECULAR_TINT, Shading
 
@@ -27,6 +27,10 @@ class TintedMetal:
     @property
     def label(self) -> str:
         return "edge-tinted metal" if self.tinted else "metal of its own"
+
+    @property
+    def facets(self) -> Facets:
+        return METAL
 
     @classmethod
     def wanted(cls, surface: SurfaceReading) -> TintedMetal:
@@ -52,6 +56,10 @@ class Metal:
     @property
     def label(self) -> str:
         return " ".join(["tinted"] * self.tinted + ["metal"] + ["alone"] * self.pure)
+
+    @property
+    def facets(self) -> Facets:
+        return METAL
 
     @classmethod
     def wanted(cls, surface: SurfaceReading) -> Metal | None:

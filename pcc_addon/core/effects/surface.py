@@ -12,9 +12,11 @@ from functools import cache
 
 from ..expression import Expr, Formula, Section, clamp, dot, lift
 from ..readings import SurfaceReading
+from .dominant import LEAST_BLUR, dominant
 from .kinds import KINDS, SurfaceEffect
 from .lobe import Lobe
 from .lookup import INCOMING, MIRROR, NORMAL
+from .metal import Metal
 from .multiscatter import Multiscatter
 from .shading import BASE_COLOR, BEHIND, RADIANCE, ROUGHNESS, Shading
 from .transmission import Interface, Transmission
@@ -25,14 +27,16 @@ class Ray:
     """A ray from a surface that a probe is looked up along.
 
     Attributes:
-        formula: its direction.
+        formula: its direction, and the roughness that stands for the surface's where that depends on the view.
         radiance: the input of a surface's formula that gets what the probe shows there.
-        narrowing: the roughness of the level to be shown, over that of the surface.
+        narrowing: the roughness of the level to be shown, over that.
+        least: the least that the formula makes of the surface's roughness, as a share.
     """
 
     formula: Formula
     radiance: str
     narrowing: float = 1.0
+    least: float = 1.0
 
 
 REFLECTED = Ray(MIRROR, "Radiance")
@@ -45,10 +49,12 @@ class SurfaceEffects:
     Attributes:
         effects: one after the other.
         leaves_base: whether a diffuse base is left beside the lobe.
+        smooth: whether it is a mirror all over.
     """
 
     effects: tuple[SurfaceEffect, ...]
     leaves_base: bool = True
+    smooth: bool = False
 
     @property
     def label(self) -> str:
@@ -59,9 +65,21 @@ class SurfaceEffects:
     def rays(self) -> tuple[Ray, ...]:
         """Along which it looks probes up."""
         through = [e for e in self.effects if isinstance(e, Transmission)]
-        mirrors = any(not isinstance(e, Multiscatter) and e not in through for e in self.effects)
         seen = [Ray(e.ray, "Transmitted Radiance", e.narrowing) for e in through]
-        return (*[REFLECTED] * (mirrors or any(e.mirrors for e in through)), *seen)
+        return (*self._reflected, *seen)
+
+    @property
+    def _reflected(self) -> tuple[Ray, ...]:
+        lobes = [e for e in self.effects if not isinstance(e, Multiscatter)]
+        mirroring = [e for e in lobes if not (isinstance(e, Transmission) and not e.mirrors)]
+        if not mirroring:
+            return ()
+        if self.smooth:
+            return (REFLECTED,)
+        first, last = mirroring[0], mirroring[-1]
+        mixed = isinstance(last, Metal) and last is not first
+        facets = (first.facets, last.facets) if mixed else (first.facets,)
+        return (Ray(dominant(facets), "Radiance", least=LEAST_BLUR),)
 
     @property
     def transmits(self) -> bool:
@@ -81,7 +99,9 @@ def surface_effects(surface: SurfaceReading, interface: Interface = Interface.SO
     found = [effect for wanted in kind.effects if (effect := wanted(surface)) is not None]
     found = [replace(effect, interface=interface) if isinstance(effect, Transmission) else effect for effect in found]
     reflects = any(not isinstance(effect, Multiscatter) for effect in found)
-    return SurfaceEffects(tuple(found), kind.leaves_base) if reflects else None
+    roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
+    smooth = roughness is not None and roughness <= 0.0
+    return SurfaceEffects(tuple(found), kind.leaves_base, smooth) if reflects else None
 
 
 def surface(effects: SurfaceEffects) -> dict[str, Expr]:

@@ -32,7 +32,7 @@ from ..expression import (
     vector,
 )
 from ..readings import SurfaceReading
-from .fresnel import USUAL_IOR, curve_position, f0_from_ior, fresnel
+from .fresnel import USUAL_IOR, Facets, curve_position, dielectric_facets, f0_from_ior, fresnel
 from .lookup import INCOMING, NORMAL
 from .shading import BASE_COLOR, COLOR, IOR, SPECULAR_TINT, TRANSMISSION, Shading
 
@@ -93,6 +93,10 @@ class Transmission:
     def _usual(self) -> float:
         """An index near that of the surface."""
         return USUAL_IOR if self.ior is None else self.ior
+
+    @property
+    def facets(self) -> Facets:
+        return dielectric_facets(max(self._usual, 1.0 / self._usual))
 
     @property
     def ray(self) -> Formula:
