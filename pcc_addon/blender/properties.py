@@ -211,6 +211,12 @@ class PCC_Probe(bpy.types.PropertyGroup):
         ],
         update=_refresh_shader,
     )
+    contact_hardening: bpy.props.BoolProperty(
+        name="Contact Hardening",
+        description="Rough surfaces reflect the sharper what is nearer to them on the box's walls. Reads more levels "
+        "of the picture, so it takes longer to render; mirrors stay as they are",
+        update=_refresh_shader,
+    )
     hidden_objects: bpy.props.CollectionProperty(type=PCC_HiddenObject)
     hidden_collection: bpy.props.PointerProperty(
         type=bpy.types.Collection,

@@ -9,6 +9,7 @@ import numpy as np
 
 from .belonging import Belongings, belongings, vessels
 from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of, may_transmit
+from .effects.lookup import LEAST_SPREAD, MOST_SPREAD
 from .effects.records import LookupEffects
 from .effects.roughness import neighbours
 from .effects.surface import Ray, SurfaceEffects, surface_effects
@@ -53,10 +54,18 @@ class SurfacePlan:
         """Its node, with the groups that lead to it."""
         return " › ".join(self.path)
 
-    def levels(self, rungs: Sequence[float], ray: Ray) -> range:
-        """Which levels of a ladder of ascending roughnesses it reads along one of its rays."""
-        low, high = self.roughness
-        return neighbours(rungs, low * ray.least * ray.narrowing, high * ray.narrowing)
+    def levels(self, rungs: Sequence[float], ray: Ray, hardening: bool = False) -> range:
+        """Which levels of a ladder of ascending roughnesses it reads along one of its rays.
+
+        Args:
+            rungs: the roughnesses.
+            ray: which.
+            hardening: whether the probe shows the sharper what is nearer.
+        """
+        low, high = (roughness * ray.narrowing for roughness in self.roughness)
+        if hardening:
+            low, high = low * LEAST_SPREAD, high * MOST_SPREAD
+        return neighbours(rungs, low, high)
 
     @property
     def captured_whole(self) -> bool:
@@ -153,11 +162,12 @@ def make_plan(scene: SceneReading) -> Plan:
     found = belongings(specs, scene.placements)
     materials = []
     shapes = _interfaces(scene)
+    hardening = frozenset(spec.name for spec in specs if spec.contact_hardening)
     for material in scene.materials:
         owners = found.owners.get(material.name, {})
         if owners:
             surfaces = plan_surfaces(material, scene.roughness_limit, shapes.get(material.name, Interface.SOLID))
-            materials.append(_plan_material(material, owners, found, surfaces))
+            materials.append(_plan_material(material, owners, found, surfaces, hardening))
     read = {probe.name: probe for probe in scene.probes}
     showing: dict[str, list[MaterialPlan]] = {spec.name: [] for spec in specs}
     for plan in materials:
@@ -238,8 +248,12 @@ def _plan_material(
     owners: dict[str, dict[str, float]],
     found: Belongings,
     surfaces: tuple[SurfacePlan, ...],
+    hardening: frozenset[str],
 ) -> MaterialPlan:
-    """The plan of a material whose objects belong to probes so much: by probe, then by object."""
+    """The plan of a material whose objects belong to probes so much: by probe, then by object.
+
+    The last are the names of the probes that show the sharper what is nearer.
+    """
     ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name))
     served = [surface for surface in surfaces if surface.effects is not None]
     if material.obstacles or not served:
@@ -247,7 +261,7 @@ def _plan_material(
         if not why and not surfaces:
             why = [_NO_SURFACE]
         return MaterialPlan(material.name, Division(()), (), surfaces, tuple(why), material.emits)
-    each = sum(_pictures_read(surface) for surface in served)
+    each = sum(_pictures_read(surface, not hardening.isdisjoint(owners)) for surface in served)
     fitting = max(1, (SAMPLERS - material.textures) // max(each, 1))
     needs, refused = (by.get(material.name, {}) for by in (found.needs, found.refused))
     division = divide(ranked, needs, refused, found.fixed.get(material.name, ()), fitting)
@@ -261,11 +275,12 @@ def _plan_material(
     return MaterialPlan(material.name, division, tuple(objects), surfaces, tuple(reasons), material.emits)
 
 
-def _pictures_read(surface: SurfacePlan) -> int:
+def _pictures_read(surface: SurfacePlan, hardening: bool) -> int:
     """How many pictures of each probe a surface reads at most."""
     low, high = surface.roughness
     assert surface.effects is not None
-    return min(3 * len(surface.effects.rays), len(LADDER)) if low == high else len(LADDER)
+    few = low == high and not hardening
+    return min(3 * len(surface.effects.rays), len(LADDER)) if few else len(LADDER)
 
 
 def _plan_probe(
@@ -294,6 +309,8 @@ def _plan_probe(
         )
     if lookup.stretched:
         reasons.append("its picture was not captured in its box, so it is stretched to it and turns with it")
+    if lookup.hardening:
+        reasons.append("rough surfaces show the sharper what is nearer to them")
     refusing = sorted(found.refusing.get(spec.name, ()))
     if refusing:
         reasons.append(f"{_named(refusing)} in its influence are not to show it")

@@ -171,6 +171,7 @@ class ProbeSpec:
         picture: the file of an image, or one of its six; empty where none is chosen.
         influence: where, how much and by whom it is shown.
         followed: the origin of the object that the capture point follows, world space, metres; None: the box's centre.
+        contact_hardening: whether rough surfaces show the sharper what is nearer to them.
     """
 
     name: str
@@ -192,6 +193,7 @@ class ProbeSpec:
     picture: str = ""
     influence: Influence = field(default=Influence())
     followed: tuple[float, float, float] | None = None
+    contact_hardening: bool = False
 
     def __post_init__(self) -> None:
         if not MINIMUM_RESOLUTION <= self.resolution <= MAXIMUM_RESOLUTION:
@@ -246,6 +248,7 @@ class ProbeSpec:
         if not self.corrected:
             turned = stretched and correction is not Correction.ALIGNED_BOX
             return LookupEffects(Correction.NONE, None, False, stretched=turned, **own)
+        own["hardening"] = self.contact_hardening
         if self.animated:
             return LookupEffects(correction, self.outside, not stretched, facing=True, stretched=stretched, **own)
         offset = not stretched and tuple(captured_at) != tuple(self.box.centre)

@@ -47,6 +47,7 @@ class PCC_PT_probe(bpy.types.Panel):
         box.prop(settings, "padding")
         box.prop(settings, "falloff")
         box.prop(settings, "outside")
+        box.prop(settings, "contact_hardening")
         layout.operator("pcc.bake", icon="RENDER_STILL", text="Bake Selected Probes").scope = "SELECTED"
 
 

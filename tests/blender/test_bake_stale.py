@@ -75,6 +75,10 @@ def change_falloff() -> None:
     bpy.data.objects["Probe"].pcc_probe.falloff = 1.0
 
 
+def harden() -> None:
+    bpy.data.objects["Probe"].pcc_probe.contact_hardening = True
+
+
 def inject() -> None:
     assert bpy.ops.pcc.inject(scope="SCENE") == {"FINISHED"}
 
@@ -112,7 +116,8 @@ def add_output_for_each_engine() -> None:
 
 
 NOT_CHANGES = [
-    widen_box, change_falloff, inject, inject_and_remove, select_all, move_camera, reopen, add_output_for_each_engine,
+    widen_box, change_falloff, harden, inject, inject_and_remove, select_all, move_camera, reopen,
+    add_output_for_each_engine,
 ]  # fmt: skip
 
 

@@ -69,7 +69,7 @@ def quads(count: int) -> np.ndarray:
     return np.stack([k % width + 0.5, k // width + 0.5, np.zeros(count)], -1)
 
 
-ALL_SETTINGS = {"weight": 0.5, "normal_fade": 0.4, "influence_low": (0.2, 0.0, 0.1)}
+ALL_SETTINGS = {"weight": 0.5, "normal_fade": 0.4, "influence_low": (0.2, 0.0, 0.1), "contact_hardening": True}
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import bpy
 import pytest
 
 from pcc_addon.blender import marks
-from pcc_addon.core.effects.dominant import LEAST_BLUR
 from pcc_addon.core.effects.roughness import neighbours
 from pcc_addon.core.pictures import LADDER
 from sample_blends.scenes import principled_node
@@ -50,7 +49,7 @@ def test_a_roughness_beyond_the_next_level_reads_other_levels(material) -> None:
     for roughness in (0.31, 0.5, 0.0):
         principled_node(material).inputs["Roughness"].default_value = roughness
         update()
-        assert levels_read(material) == {f"Level {k}" for k in neighbours(LADDER, LEAST_BLUR * roughness, roughness)}
+        assert levels_read(material) == {f"Level {k}" for k in neighbours(LADDER, roughness, roughness)}
 
 
 def test_a_new_link_reaches_the_twin(material) -> None:

@@ -181,6 +181,8 @@ LOOKUPS = [
     *(LookupEffects(c, o) for c in Correction for o in (*Outside, None) if c is not Correction.NONE),
     *(LookupEffects(c, None, False) for c in Correction if c is not Correction.NONE),
     *(LookupEffects(c, Outside.UNCORRECTED, False, stretched=True) for c in Correction),
+    LookupEffects(Correction.ORIENTED_BOX, Outside.UNCORRECTED, hardening=True),
+    LookupEffects(Correction.TURNED_BOX, None, False, stretched=True, hardening=True),
 ]
 
 

@@ -21,7 +21,7 @@ from pcc_addon.blender.shade.twin import (
     shown_probe_groups,
 )
 from pcc_addon.blender.shade.twin_order import TwinOrder
-from pcc_addon.core.effects.dominant import LEAST_BLUR
+from pcc_addon.core.effects.lookup import LEAST_SPREAD, MOST_SPREAD
 from pcc_addon.core.effects.roughness import neighbours
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.plan import plan_surfaces
@@ -95,29 +95,42 @@ def test_a_twin_shows_what_is_left_and_the_reflection_but_to_diffuse_rays_the_or
     assert set(reflection_nodes(material)) == {top, glow}
 
 
-def test_the_reflection_is_of_the_radiance_between_levels_of_the_probe(probe) -> None:
+def test_the_reflection_is_of_the_radiance_between_two_levels_of_the_probe(probe) -> None:
     material = injected(rough())
     [lit], [shown] = (
         called(material, "Reflectance"),
         [n for n in ours(material, "ShaderNodeGroup") if n.node_tree == probe.pcc_probe.group],
     )
     between, radiance = fed(lit, "Radiance")
-    read = neighbours(LADDER, LEAST_BLUR * 0.3, 0.3)
-    assert radiance == "Radiance" and len(read) == 3
-    for k, level in enumerate(read):
-        assert fed(between, f"Level {k}") == (shown, f"Level {level}")
-    assert " ".join(f"{LADDER[level]:.3g}" for level in read) in between.label
-    way, blur = fed(between, "Roughness")
-    assert blur == "Roughness" and way.inputs["Roughness"].default_value == pytest.approx(0.3)
+    assert radiance == "Radiance" and between.inputs["Roughness"].default_value == pytest.approx(0.3)
+    low, high = neighbours(LADDER, 0.3, 0.3)
+    assert fed(between, "Level 0") == (shown, f"Level {low}") and fed(between, "Level 1") == (shown, f"Level {high}")
+    assert f"{LADDER[low]:.3g} {LADDER[high]:.3g}" in between.label
     assert shown.node_tree == probe.pcc_probe.group and shown_probe_groups(material) == (probe.pcc_probe.group,)
-    assert fed(shown, "Direction") == (way, "Direction")
+    way, _ = fed(shown, "Direction")
+    assert "Dominant Direction, IOR" in way.label and way.inputs["Roughness"].default_value == pytest.approx(0.3)
     for node, name in ((way, "Normal"), (way, "Incoming"), (lit, "Normal"), (lit, "Incoming")):
         geometry, output = fed(node, name)
         assert (geometry.bl_idname, output) == ("ShaderNodeNewGeometry", name)
     assert len(ours(material, "ShaderNodeNewGeometry")) == 1
 
 
-def test_a_mirror_reads_its_level_itself(probe) -> None:
+def test_where_a_probe_hardens_rough_surfaces_read_more_levels_at_what_it_says(probe) -> None:
+    rough_one = injected(rough())
+    probe.pcc_probe.contact_hardening = True
+    [lit] = called(rough_one, "Reflectance")
+    between, _ = fed(lit, "Radiance")
+    shown, spread = fed(between, "Spread")
+    read = neighbours(LADDER, 0.3 * LEAST_SPREAD, 0.3 * MOST_SPREAD)
+    assert marks.role(shown) == "probe" and spread == "Spread"
+    assert [fed(between, f"Level {k}")[1] for k in range(len(read))] == [f"Level {level}" for level in read]
+    probe.pcc_probe.contact_hardening = False
+    [lit] = called(rough_one, "Reflectance")
+    assert "Spread" not in fed(lit, "Radiance")[0].inputs
+
+
+def test_a_mirror_reads_its_level_itself_however_near_things_are(probe) -> None:
+    probe.pcc_probe.contact_hardening = True
     material = injected(shiny())
     [lit] = called(material, "Reflectance")
     node, output = fed(lit, "Radiance")

@@ -10,7 +10,6 @@ import pytest
 
 from pcc_addon.blender import marks
 from pcc_addon.blender.shade.injection import inject, remove
-from pcc_addon.core.effects.dominant import LEAST_BLUR
 from pcc_addon.core.effects.roughness import neighbours
 from pcc_addon.core.pictures import LADDER
 from sample_blends.scenes import principled_node
@@ -52,18 +51,18 @@ def test_a_bake_and_an_injection_make_the_whole_ladder(probe) -> None:
     assert [level.roughness for level in probe.pcc_probe.levels] == pytest.approx(LADDER)
 
 
-def test_a_value_in_an_outer_group_chooses_its_levels(probe) -> None:
+def test_a_value_in_an_outer_group_chooses_its_two_levels(probe) -> None:
     material = nested()  # roughness 0.25
     show(material)
     put_in()
-    assert levels_read(material) == {f"Level {k}" for k in neighbours(LADDER, LEAST_BLUR * 0.25, 0.25)}
+    assert levels_read(material) == {f"Level {k}" for k in neighbours(LADDER, 0.25, 0.25)}
 
 
 def test_two_uses_of_a_group_read_their_own_levels(probe) -> None:
     material = one_group_twice()
     show(material)
     put_in()
-    wanted = [*neighbours(LADDER, LEAST_BLUR * 0.25, 0.25), *neighbours(LADDER, LEAST_BLUR * 0.55, 0.55)]
+    wanted = [*neighbours(LADDER, 0.25, 0.25), *neighbours(LADDER, 0.55, 0.55)]
     assert levels_read(material) == {f"Level {k}" for k in wanted}
 
 

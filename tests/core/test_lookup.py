@@ -82,6 +82,43 @@ def test_the_classic_lookup_never_darkens_or_weighs() -> None:
         np.testing.assert_allclose(found["Sharp"], UP, rtol=1e-6)
 
 
+@pytest.mark.parametrize("correction", CORRECTED)
+@pytest.mark.parametrize("stretched", [False, True])
+def test_what_is_nearer_to_the_surface_than_to_the_capture_point_is_shown_sharper(
+    correction: Correction, stretched: bool
+) -> None:
+    """A ray straight up from below the capture point at the centre: alpha counts as often as the distances say."""
+    effects = LookupEffects(correction, None, False, stretched=stretched, hardening=True)
+    formula = lookup.probe(effects, {"Sharp": 8}, {"Direction": (0.0, 0.0, 1.0), "Offset": (0.0, 0.0, 0.0)})
+    for z, ratio in ((0.0, 1.0), (1.5, 0.25), (-0.5, 1.25), (1.999, 0.35**2), (-1.0, 1.5), (2.0, 0.35**2)):
+        inputs = {**AT, "Position": np.array([[0.0, 0.0, z]])}
+        spread = evaluate(formula.outputs, inputs, np.float64, pictures={"Sharp": SKY})["Spread"]
+        assert spread == pytest.approx(math.sqrt(ratio), rel=1e-9)
+
+
+def test_sharpness_is_told_by_the_way_from_the_capture_point_not_from_the_centre() -> None:
+    effects = LookupEffects(Correction.ALIGNED_BOX, None, True, hardening=True)
+    formula = lookup.probe(effects, {"Sharp": 8}, {"Direction": (0.0, 0.0, 1.0), "Offset": (0.0, 0.0, 0.0)})
+    inputs = {**AT, "Position": np.array([[0.0, 0.0, 1.0]]), "Capture Point": np.array([1.5, 0.0, 0.0])}
+    spread = evaluate(formula.outputs, inputs, np.float64, pictures={"Sharp": SKY})["Spread"]
+    assert spread == pytest.approx(math.sqrt(1.0 / 2.5), rel=1e-9)  # 1 m from the surface, 2.5 m from the camera
+
+
+def test_sharpness_leaves_with_the_correction_where_that_fades() -> None:
+    effects = LookupEffects(Correction.ALIGNED_BOX, Outside.UNCORRECTED, False, hardening=True)
+    formula = lookup.probe(effects, {"Sharp": 8}, {"Direction": (0.0, 0.0, 1.0), "Offset": (0.0, 0.0, 0.0)})
+    for x, share in ((1.9, 1.0), (2.5, 0.5), (3.5, 0.0)):
+        inputs = {**AT, "Position": np.array([[x, 0.0, 1.5]])}
+        spread = evaluate(formula.outputs, inputs, np.float64, pictures={"Sharp": SKY})["Spread"]
+        near = max(math.sqrt(0.5 / math.hypot(2.0, x)), 0.35)
+        assert spread == pytest.approx(1.0 + share * (near - 1.0), rel=1e-6)
+
+
+def test_nothing_hardens_unless_asked_to_or_where_nothing_is_corrected() -> None:
+    for effects in (LookupEffects(hardening=True, correction=Correction.NONE), *map(LookupEffects, Correction)):
+        assert "Spread" not in lookup.probe(effects, {"Sharp": 8}).outputs
+
+
 @pytest.mark.parametrize("correction", list(Correction))
 def test_a_probe_that_shares_says_how_deep_a_point_lies(correction: Correction) -> None:
     for x, depth in ((0.5, 1.5), (2.25, -0.25)):

@@ -348,6 +348,26 @@ def test_a_material_shows_as_many_probes_as_eevee_can_read(surfaces: tuple, text
     assert plan.notes[0] == f"material 'Wood' {reason}"
 
 
+def test_probes_that_harden_read_every_level_of_rough_surfaces() -> None:
+    """A slider that is changed within their reach then asks for no other choice of probes."""
+    probes, placed = many(12)
+    hard = tuple(replace(one, spec=replace(one.spec, contact_hardening=True)) for one in probes)
+    plan = plan_of(material("Wood", surface()), probes=hard, placements=placed)
+    assert plan.probes == ("P00", "P01", "P02")
+    rough, mirror = (planned(surface(Roughness=value)) for value in (0.3, 0.0))
+    assert rough.effects is not None and mirror.effects is not None
+    [ray], [straight] = rough.effects.rays, mirror.effects.rays
+    read = [LADDER[k] for k in rough.levels(LADDER, ray, hardening=True)]
+    assert read == [0.1, 0.16, 0.23, 0.32, 0.44, 0.6], "from 0.3 times 0.35 to 0.3 times 1.5"
+    assert list(rough.levels(LADDER, ray)) == [4, 5] and list(mirror.levels(LADDER, straight, hardening=True)) == [0]
+
+
+def test_a_probe_that_hardens_says_so() -> None:
+    for value in (False, True):
+        [plan] = make_plan(SceneReading("Scene", (probe("Hall", contact_hardening=value),))).probes
+        assert plan.lookup.hardening == value == any("sharper what is nearer" in reason for reason in plan.reasons)
+
+
 def test_as_many_as_can_be_read_give_no_reason() -> None:
     probes, placed = many(10)
     plan = plan_of(material("Wood"), probes=probes, placements=placed)

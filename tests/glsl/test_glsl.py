@@ -29,10 +29,12 @@ from tests.glsl.shaders import run, vertex_shader
 VECTORS = Path(__file__).parents[1] / "vectors" / "lookup.json"
 LOOKUPS = [LookupEffects(c, o) for c in Correction for o in (*Outside, None) if c is not Correction.NONE]
 LOOKUPS += [LookupEffects(c, Outside.UNCORRECTED, False, stretched=True) for c in Correction]
+LOOKUPS += [LookupEffects(Correction.ORIENTED_BOX, Outside.OWN, hardening=True)]
 FORMULAS = [
     lookup.probe(LookupEffects(Correction.NONE, None, False), {"Level 0": 32}),
     *(lookup.probe(effects, {"Level 0": 64, "Level 1": 32}, shares=True) for effects in LOOKUPS),
     mixed_formula((0.0, 0.1, 0.3)),
+    mixed_formula((0.0, 0.1, 0.3), True),
     dominant((dielectric_facets(1.5), METAL)),
     interior(Interior((RoomPicture(), RoomPicture(capture=(0.1, 0.2, 0.3))), middle=True, curtains=True)),
     interior(Interior((RoomPicture(),), Cells.UV)),
@@ -103,7 +105,7 @@ def points(count: int) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("outside", [*Outside, None])
 def test_a_probe_shows_the_radiance_that_numpy_reads_from_its_pictures(driver: None, outside: Outside | None) -> None:
-    effects = LookupEffects(Correction.ORIENTED_BOX, outside, True)
+    effects = LookupEffects(Correction.ORIENTED_BOX, outside, True, hardening=True)
     formula = lookup.probe(effects, {"Level 0": 64}, {"Direction": lookup.MIRRORED}, shares=True)
     rows, columns = np.mgrid[0:64, 0:128]
     smooth = np.stack([np.sin(columns * np.pi / 32.0), np.cos(rows * np.pi / 64.0), rows / 64.0], -1) + 1.0
@@ -113,6 +115,7 @@ def test_a_probe_shows_the_radiance_that_numpy_reads_from_its_pictures(driver: N
     near = expected["Depth"] > -1e3  # what faces away is far outside
     np.testing.assert_allclose(found["Depth"][near], expected["Depth"][near], atol=1e-5)
     assert (found["Depth"][~near] < -1e3).all() and 0.02 < near.mean() < 1.0
+    np.testing.assert_allclose(found["Spread"], expected["Spread"], atol=1e-4)
     np.testing.assert_allclose(found["Level 0"], expected["Level 0"], atol=0.01)  # drivers filter with 8 bits
 
 

@@ -72,7 +72,9 @@ def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
         f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs} {shown.beside}" for shown in order.probes
     ]
     for path, surface in sorted(order.surfaces.items()):
-        levels = [surface.levels(shown.rungs, ray) for shown in order.probes for ray in surface.effects.rays]
+        levels = [
+            surface.levels(shown.rungs, ray, shown.hardening) for shown in order.probes for ray in surface.effects.rays
+        ]
         lines.append(
             f"{path} {surface.effects} {levels} {surface.handed_over} {surface.layered} {surface.bends_normals}"
         )

@@ -203,7 +203,7 @@ class SurfaceBuilder:
                     self.sketch.link(way.outputs[name], probe.inputs[name])
             if "Normal" in probe.inputs:
                 self.sketch.link(self._normal(), probe.inputs["Normal"])
-            self.sketch.link(self._radiance(shown, probe, ray, way, row), lit.inputs[ray.radiance])
+            self.sketch.link(self._radiance(shown, probe, ray, row), lit.inputs[ray.radiance])
             nodes.append(probe)
         return nodes[0]
 
@@ -237,20 +237,17 @@ class SurfaceBuilder:
             return unit.outputs[0]
         return self._geometry(name)
 
-    def _radiance(
-        self, shown: ShownProbe, probe: bpy.types.Node, ray: Ray, way: bpy.types.Node, row: float
-    ) -> bpy.types.NodeSocket:
+    def _radiance(self, shown: ShownProbe, probe: bpy.types.Node, ray: Ray, row: float) -> bpy.types.NodeSocket:
         """What a probe shows along a ray at the surface's roughness."""
-        levels = self.plan.levels(shown.rungs, ray)
+        levels = self.plan.levels(shown.rungs, ray, shown.hardening)
         if len(levels) == 1:
             return probe.outputs[level_name(levels[0])]
-        formula = mixed_formula(tuple(shown.rungs[k] / ray.narrowing for k in levels))
+        formula = mixed_formula(tuple(shown.rungs[k] / ray.narrowing for k in levels), shown.hardening)
         given = {level_name(i): probe.outputs[level_name(k)] for i, k in enumerate(levels)}
+        if shown.hardening:
+            given["Spread"] = probe.outputs["Spread"]
         mixed = self._call(formula, -500.0, row, given)
-        if "Roughness" in way.outputs:
-            self.sketch.link(way.outputs["Roughness"], mixed.inputs["Roughness"])
-        else:
-            self.sketch.repeat(self.node.inputs["Roughness"], mixed.inputs["Roughness"])
+        self.sketch.repeat(self.node.inputs["Roughness"], mixed.inputs["Roughness"])
         return mixed.outputs["Radiance"]
 
     def _normal(self) -> bpy.types.NodeSocket:

@@ -28,6 +28,11 @@ class ShownProbe:
     outputs: tuple[str, ...] = ()
     beside: tuple[int, ...] = ()
 
+    @property
+    def hardening(self) -> bool:
+        """Whether it shows the sharper what is nearer to a rough surface."""
+        return "Spread" in self.outputs
+
 
 @dataclass(frozen=True)
 class TwinOrder:

@@ -83,8 +83,12 @@ def by_hand(
     weight: Expr = found["Weight"]
     if "Presence" in found.formula.outputs:
         weight = weight * found["Presence"]
-    levels = {name: Section("Pictures", read_picture(name, rows, found["Direction"])) for name, rows in heights.items()}
-    mixed = mixed_formula(tuple(rungs)).at(levels)["Radiance"]
+    levels: dict[str, Expr] = {
+        name: Section("Pictures", read_picture(name, rows, found["Direction"])) for name, rows in heights.items()
+    }
+    if shown.hardening:
+        levels["Spread"] = found["Spread"]
+    mixed = mixed_formula(tuple(rungs), shown.hardening).at(levels)["Radiance"]
     box = effects.correction if corrected else Correction.ORIENTED_BOX
     return Formula(
         "By Hand",

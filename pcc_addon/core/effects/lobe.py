@@ -29,8 +29,8 @@ _IMPORTANT = 0.65  # roughness up to which the fit must be good
 _LEAST_F0 = 0.02  # water
 _POWERS = 5  # of roughness in each coefficient
 # Of the angle between the mirrored view and the mean direction of the lobe. The mean is right for light that changes
-# slowly with the direction; edges show where the lobe is densest, which is nearer to the mirrored view.
-_TILT = 0.85
+# slowly with the direction; small lamps show where the lobe is densest, which is nearer to the mirrored view.
+_TILT = 0.5
 
 
 @dataclass(frozen=True)

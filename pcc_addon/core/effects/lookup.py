@@ -37,6 +37,7 @@ from ..expression import (
     reflect,
     scalar,
     sign,
+    sqrt,
     vector,
 )
 from .records import Correction, LookupEffects, Outside
@@ -156,6 +157,24 @@ def faded(below: Expr, falloff: Expr) -> Expr:
     return linear * linear * (3.0 - 2.0 * linear)
 
 
+LEAST_SPREAD, MOST_SPREAD = 0.35, 1.5
+
+
+def spread(way: Expr) -> Expr:
+    """The roughness of the level to be shown, over the surface's: things near a rough surface are reflected sharper.
+
+    A narrow lobe of GGX alpha covers alpha times the distance of what it meets, and a level's covers alpha times the
+    distance from the capture point; so alpha, the square of the roughness, counts as often as one goes into the other.
+
+    Args:
+        way: from the capture point to what the ray meets, over the ray's length.
+    """
+    return clamp(sqrt(1.0 / maximum(length(way), _NEAR_CAPTURE)), LEAST_SPREAD, MOST_SPREAD)
+
+
+_NEAR_CAPTURE = 1e-6  # of the ray's length
+
+
 def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = POSITION) -> dict[str, Expr]:
     """Where to look in the probe's picture for what a ray from a surface meets.
 
@@ -167,7 +186,7 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
     Returns:
         "Direction": in world space, or along the box's axes where the picture is stretched to it; not normalised;
         "Weight": how much the influence leaves of the probe, 0 … 1; where its weight or normals count too, "Presence":
-        how much these leave.
+        how much these leave; where it hardens, "Spread" of `spread`.
     """
     presence: list[Expr] = [PROBE_WEIGHT] if effects.weighted else []
     if effects.correction is Correction.NONE:
@@ -178,24 +197,29 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
     q = Section("Along the box's axes", along_face_normals(effects.correction, to_centre))
     d = Section("Along the box's axes", along_face_normals(effects.correction, direction))
     near = Section("Exit from the box", nearness(q, d))
-    # (hit − B) / t with hit = P + t·direction; its length does not count
+    # (hit − B) / t with hit = P + t·direction
     if effects.stretched:
-        corrected = Section("Stretched to the box", (d - q * near) * stretch(effects.correction))
+        way = d - q * near
+        corrected = Section("Stretched to the box", way * stretch(effects.correction))
         uncorrected = d * _OWN_WAY_ROUND if effects.correction is Correction.TURNED_BOX else d
     else:
-        corrected = Section("Direction from the capture point", direction - to_capture * near)
+        way = corrected = Section("Direction from the capture point", direction - to_capture * near)
         uncorrected = direction
+    sharpness: dict[str, Expr] = {}
+    if effects.hardening:
+        sharpness["Spread"] = Section("Contact hardening", spread(way))
     normal = along_face_normals(effects.correction, NORMAL) if effects.facing else None
     below = depth(q, normal, per_face=effects.per_face)
     if effects.by_normal:
         presence.append(Section("Influence", fade_by_normal(below, to_capture * -1.0)))
     if effects.outside is None:
-        return {"Direction": corrected, "Weight": lift(1.0), **_presence(presence)}
+        return {"Direction": corrected, "Weight": lift(1.0), **_presence(presence), **sharpness}
     weight = Section("Influence", faded(below, FALLOFF))
     if effects.outside is not Outside.UNCORRECTED:
-        return {"Direction": corrected, "Weight": weight, **_presence(presence)}
+        return {"Direction": corrected, "Weight": weight, **_presence(presence), **sharpness}
     turned = Section("Influence", mix(uncorrected, normalize(corrected), weight))
-    return {"Direction": turned, "Weight": lift(1.0), **_presence(presence)}
+    sharpness = {name: mix(1.0, value, weight) for name, value in sharpness.items()}
+    return {"Direction": turned, "Weight": lift(1.0), **_presence(presence), **sharpness}
 
 
 def _presence(factors: list[Expr]) -> dict[str, Expr]:
@@ -266,7 +290,8 @@ def probe(
 
     Returns:
         A formula with a radiance for each picture, which it samples under the output's name; with "Weight" where
-        surfaces keep some of their own lobe; and with "Depth" of `depth_formula` where it shares.
+        surfaces keep some of their own lobe; with "Depth" of `depth_formula` where it shares; and with "Spread" of
+        `spread` where it hardens.
     """
     found = lookup_formula(effects).at(known or {})
     corrected = effects.correction is not Correction.NONE
@@ -279,6 +304,8 @@ def probe(
     left += [found["Presence"]] if effects.weighted or (corrected and effects.by_normal) else []
     if left:
         outputs["Weight"] = reduce(mul, left)
+    if corrected and effects.hardening:
+        outputs["Spread"] = found["Spread"]
     if shares:
         box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction
         outputs["Depth"] = depth_formula(box, effects.per_face).at(known or {})["Depth"]

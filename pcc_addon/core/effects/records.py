@@ -44,6 +44,7 @@ class LookupEffects:
         per_face: whether the influence box or its falloff differs from face to face.
         by_normal: whether surfaces that face away from the capture point fade near the border of the influence.
         weighted: whether the probe has less than all of a surface even where it is shown in full.
+        hardening: whether rough surfaces show the sharper what is nearer to them.
     """
 
     correction: Correction = Correction.ORIENTED_BOX
@@ -54,6 +55,7 @@ class LookupEffects:
     per_face: bool = False
     by_normal: bool = False
     weighted: bool = False
+    hardening: bool = False
 
     @property
     def label(self) -> str:
@@ -67,4 +69,5 @@ class LookupEffects:
             words += ["by normal"] * self.by_normal
         words += ["along the box's axes" if self.correction is Correction.NONE else "stretched"] * self.stretched
         words += ["weighted"] * self.weighted
+        words += ["hardening"] * self.hardening
         return ", ".join(words)

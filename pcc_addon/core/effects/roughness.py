@@ -6,8 +6,10 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from functools import cache
 
-from ..expression import Expr, Formula, clamp, vector
+from ..expression import Expr, Formula, clamp, scalar, vector
 from .shading import ROUGHNESS
+
+SPREAD = scalar("Spread")  # the roughness of the level to be shown, over the surface's
 
 
 def level_name(k: int) -> str:
@@ -33,7 +35,12 @@ def mixed(rungs: Sequence[float], roughness: Expr) -> Expr:
 
 
 @cache
-def mixed_formula(rungs: tuple[float, ...]) -> Formula:
-    """`mixed` at the input "Roughness", to be shared by all surfaces that read these rungs; output "Radiance"."""
-    title = " ".join(f"{rung:.3g}" for rung in rungs)
-    return Formula(f"Levels, {title}", {"Radiance": mixed(rungs, ROUGHNESS)})
+def mixed_formula(rungs: tuple[float, ...], hardening: bool = False) -> Formula:
+    """`mixed` at the input "Roughness", to be shared by all surfaces that read these rungs; output "Radiance".
+
+    Args:
+        rungs: ascending.
+        hardening: whether the roughness is multiplied by the input "Spread" first.
+    """
+    title = " ".join(f"{rung:.3g}" for rung in rungs) + ", hardening" * hardening
+    return Formula(f"Levels, {title}", {"Radiance": mixed(rungs, ROUGHNESS * SPREAD if hardening else ROUGHNESS)})

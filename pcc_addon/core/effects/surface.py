@@ -12,7 +12,7 @@ from functools import cache
 
 from ..expression import Expr, Formula, Section, clamp, dot, lift
 from ..readings import SurfaceReading
-from .dominant import LEAST_BLUR, dominant
+from .dominant import dominant
 from .kinds import KINDS, SurfaceEffect
 from .lobe import Lobe
 from .lookup import INCOMING, MIRROR, NORMAL
@@ -27,16 +27,14 @@ class Ray:
     """A ray from a surface that a probe is looked up along.
 
     Attributes:
-        formula: its direction, and the roughness that stands for the surface's where that depends on the view.
+        formula: its direction.
         radiance: the input of a surface's formula that gets what the probe shows there.
-        narrowing: the roughness of the level to be shown, over that.
-        least: the least that the formula makes of the surface's roughness, as a share.
+        narrowing: the roughness of the level to be shown, over that of the surface.
     """
 
     formula: Formula
     radiance: str
     narrowing: float = 1.0
-    least: float = 1.0
 
 
 REFLECTED = Ray(MIRROR, "Radiance")
@@ -79,7 +77,7 @@ class SurfaceEffects:
         first, last = mirroring[0], mirroring[-1]
         mixed = isinstance(last, Metal) and last is not first
         facets = (first.facets, last.facets) if mixed else (first.facets,)
-        return (Ray(dominant(facets), "Radiance", least=LEAST_BLUR),)
+        return (Ray(dominant(facets), "Radiance"),)
 
     @property
     def transmits(self) -> bool:
