@@ -15,11 +15,12 @@ from pcc_addon.core.effects.dielectric import Dielectric
 from pcc_addon.core.effects.dominant import dominant
 from pcc_addon.core.effects.fresnel import METAL, MIRRORS, dielectric_facets
 from pcc_addon.core.effects.lookup import DIRECTION, OFFSET, POSITION, lookup, lookup_formula
-from pcc_addon.core.effects.metal import Metal
+from pcc_addon.core.effects.metal import Metal, TintedMetal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.effects.surface import SurfaceEffects, surface
 from pcc_addon.core.expression import Expr, Op, operation, scalar, vector
+from pcc_addon.core.ggx import Distribution
 from tests.core.boxes import directions
 from tests.shader_harness import evaluate_expressions, evaluate_group
 
@@ -247,6 +248,7 @@ SURFACES = [
     SurfaceEffects((Dielectric.of(1.5, 0.5),)),
     SurfaceEffects((Dielectric.of(1.45, None), Metal(tinted=True))),
     SurfaceEffects((Metal(pure=True),)),
+    SurfaceEffects((TintedMetal(True),), distribution=Distribution.BECKMANN),
     SurfaceEffects((Multiscatter(), Dielectric.of(1.5, 0.8))),
     SurfaceEffects((Multiscatter(), Dielectric.of(1.5, None))),
     SurfaceEffects((Dielectric.of(4.0, 0.5), Metal())),
@@ -267,6 +269,7 @@ def test_the_surface_group_computes_the_formula(scene, rng, effects) -> None:
         "Roughness": np.where(rng.random(CASES) < 0.2, 0.0, rng.random(CASES)),
         "Specular IOR Level": rng.random(CASES),
         "Specular Tint": rng.random((CASES, 3)),
+        "Edge Tint": rng.random((CASES, 3)),
         "Offset": np.where(rng.random((CASES, 1)) < 0.5, 0.0, 0.1 * unit(rng, CASES)),
         "Normal": normal,
         "Incoming": incoming,

@@ -15,6 +15,7 @@ from pcc_addon.core.effects.metal import Metal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.surface import SurfaceEffects
 from pcc_addon.core.effects.transmission import Transmission
+from pcc_addon.core.ggx import Distribution
 from pcc_addon.core.plan import plan_surfaces
 from pcc_addon.core.readings import MaterialReading, SurfaceReading
 from tests.core.boxes import directions
@@ -116,7 +117,7 @@ GLASS = Transmission(1.5, whole=True)
 )
 def test_each_lobe_is_looked_up_as_its_facets_reflect(effects: tuple, facets: tuple) -> None:
     rough, smooth = SurfaceEffects(effects), SurfaceEffects(effects, smooth=True)
-    assert rough.rays[0].formula is dominant(facets) and smooth.rays[0].formula is MIRROR
+    assert rough.rays[0].formula is dominant(facets, Distribution.GGX) and smooth.rays[0].formula is MIRROR
     assert [ray.radiance for ray in rough.rays] == [ray.radiance for ray in smooth.rays]
 
 

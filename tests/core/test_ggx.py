@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from pcc_addon.core.ggx import blur_kernel, directional_averages, hemispherical_average
+from pcc_addon.core.ggx import (
+    Distribution,
+    blur_kernel,
+    directional_averages,
+    hemispherical_average,
+    lobe_samples,
+    transmitted_samples,
+)
 
 CURVES = [np.ones_like, lambda c: (1.0 - c) ** 5, lambda c: c * (1.0 - c) ** 6]
 
@@ -24,7 +34,28 @@ def visibility(view_cosine: float, light_cosine: np.ndarray, alpha: float) -> np
     return 0.5 / (by_light + by_view)
 
 
-def brute_force(view_cosine: float, roughness: float, count: int = 400) -> np.ndarray:
+def beckmann(normal_cosine: np.ndarray, alpha: float) -> np.ndarray:
+    """Walter et al. 2007, equation 25."""
+    cosine = np.clip(normal_cosine, 1e-9, 1.0)
+    return np.exp((1.0 - 1.0 / cosine**2) / alpha**2) / (np.pi * alpha**2 * cosine**4)
+
+
+def exactly_hidden(cosine: np.ndarray | float, alpha: float) -> np.ndarray:
+    """Beckmann's masking by the error function (Walter et al. 2007, equation 26), as what Heitz 2014 calls lambda."""
+    cosine = np.asarray(cosine, np.float64)
+    a = cosine / (alpha * np.sqrt(np.maximum(1.0 - cosine**2, 1e-12)))
+    erf = np.vectorize(math.erf, otypes=[float])
+    return 0.5 * (np.exp(-(a**2)) / (a * np.sqrt(np.pi)) - 1.0 + erf(a))
+
+
+def beckmann_visibility(view_cosine: float, light_cosine: np.ndarray, alpha: float) -> np.ndarray:
+    hidden = exactly_hidden(view_cosine, alpha) + exactly_hidden(np.maximum(light_cosine, 1e-9), alpha)
+    return 0.25 / (view_cosine * np.maximum(light_cosine, 1e-9) * (1.0 + hidden))
+
+
+def brute_force(
+    view_cosine: float, roughness: float, count: int = 400, facets: Callable = distribution, seen: Callable = visibility
+) -> np.ndarray:
     """∫ f(v·h) BRDF n·l dω for each of `CURVES`: midpoints in polar coordinates about the mirror direction.
 
     The rings are spaced by the cube of a uniform variable, finest where the lobe is.
@@ -41,7 +72,7 @@ def brute_force(view_cosine: float, roughness: float, count: int = 400) -> np.nd
     half = light + view
     half /= np.linalg.norm(half, axis=-1, keepdims=True)
     with np.errstate(all="ignore"):
-        reflected = distribution(half[..., 2], alpha) * visibility(view_cosine, light[..., 2], alpha) * light[..., 2]
+        reflected = facets(half[..., 2], alpha) * seen(view_cosine, light[..., 2], alpha) * light[..., 2]
     reflected = np.where(light[..., 2] > 0.0, reflected, 0.0) * measure[:, None]
     return np.array([(reflected * curve(np.clip(half @ view, 0.0, 1.0))).sum() for curve in CURVES])
 
@@ -51,6 +82,29 @@ def brute_force(view_cosine: float, roughness: float, count: int = 400) -> np.nd
 def test_averages_over_the_lobe_are_the_brute_force_integrals(cosine: float, roughness: float) -> None:
     found = directional_averages(np.array([cosine]), roughness, CURVES)[:, 0]
     np.testing.assert_allclose(found, brute_force(cosine, roughness), atol=3e-3)  # 96² points
+
+
+@pytest.mark.parametrize("roughness", [0.2, 0.45, 0.7])
+@pytest.mark.parametrize("cosine", [0.1, 0.3, 0.7, 1.0])
+def test_beckmanns_facets_reflect_the_brute_force_integrals(cosine: float, roughness: float) -> None:
+    """To the error of the rational fit of their masking, which renderers use."""
+    facets, leaving = lobe_samples(cosine, roughness, 300, Distribution.BECKMANN)
+    found = [np.mean(curve(facets) * leaving) for curve in CURVES]
+    expected = brute_force(cosine, roughness, 300, beckmann, beckmann_visibility)
+    np.testing.assert_allclose(found, expected, atol=5e-3)
+
+
+@pytest.mark.parametrize("kind", Distribution)
+def test_facets_that_bend_nothing_let_through_what_their_shadows_leave(kind: Distribution) -> None:
+    """Light that goes straight on leaves at the view's own angle, so it is masked as much on both sides."""
+    for cosine in (0.1, 0.2, 1.0):
+        facets, passed = transmitted_samples(cosine, 0.3, 1.0 + 1e-9, 200, kind)
+        view = lobe_samples(cosine, 0.3, 200, kind)[0]
+        np.testing.assert_array_equal(facets, view)
+        hidden = 0.5 * (math.sqrt(1.0 + 0.3**4 * (1.0 / cosine**2 - 1.0)) - 1.0)
+        if kind is Distribution.BECKMANN:
+            hidden = float(exactly_hidden(cosine, 0.09))
+        assert passed.mean() == pytest.approx((1.0 + hidden) / (1.0 + 2.0 * hidden), abs=0.01)
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.01, 0.1, 0.3, 0.6, 1.0])

@@ -12,6 +12,7 @@ from pcc_addon.core.effects.metal import Metal, TintedMetal
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, Outside
 from pcc_addon.core.effects.transmission import Interface
+from pcc_addon.core.ggx import Distribution
 from pcc_addon.core.pictures import LADDER, PictureKey, PictureKind
 from pcc_addon.core.plan import MaterialPlan, ProbePlan, SurfacePlan, make_plan, plan_surfaces
 from pcc_addon.core.probe import Source
@@ -113,7 +114,22 @@ def test_glossy_and_metallic_surfaces_are_served_and_leave_no_base() -> None:
 def test_a_mirror_has_no_microfacets_whatever_their_distribution() -> None:
     mirror = planned(other("ShaderNodeBsdfAnisotropic", "BECKMANN", Color=WHITE, Roughness=0.0))
     assert mirror.effects.effects == (Glossy(),)
-    assert planned(other("ShaderNodeBsdfAnisotropic", "BECKMANN", Color=WHITE, Roughness=None)).effects is None
+    assert mirror.effects == planned(other("ShaderNodeBsdfAnisotropic", Color=WHITE, Roughness=0.0)).effects
+    odd = planned(other("ShaderNodeBsdfAnisotropic", "ASHIKHMIN_SHIRLEY", Color=WHITE, Roughness=None))
+    assert odd.effects is None and odd.reasons == ("its microfacets are Ashikhmin Shirley (GGX would show a probe)",)
+
+
+@pytest.mark.parametrize("roughness", [0.3, None])
+def test_beckmanns_facets_read_the_levels_of_the_ggx_lobe_that_is_most_like_theirs(roughness: float | None) -> None:
+    beckmann, ggx = (
+        planned(other("ShaderNodeBsdfGlass", kind, IOR=1.5, Color=WHITE, Roughness=roughness))
+        for kind in ("BECKMANN", "GGX")
+    )
+    assert beckmann.effects.distribution is Distribution.BECKMANN and "Beckmann" in beckmann.effects.label
+    assert beckmann.effects.effects == ggx.effects.effects and beckmann.effects != ggx.effects
+    for own, other_ray in zip(beckmann.effects.rays, ggx.effects.rays, strict=True):
+        assert own.narrowing == pytest.approx(0.96 * other_ray.narrowing)
+    assert beckmann.effects.rays[0].formula.title != ggx.effects.rays[0].formula.title
 
 
 @pytest.mark.parametrize(

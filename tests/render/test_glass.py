@@ -31,7 +31,7 @@ def white_world(addon: None) -> bpy.types.Scene:
     return scene
 
 
-def glass(kind: str, roughness: float, color: tuple) -> bpy.types.Material:
+def glass(kind: str, roughness: float, color: tuple, distribution: str = "GGX") -> bpy.types.Material:
     bl_idname, inputs = KINDS[kind]
     material = principled("Glass")
     tree = material.node_tree
@@ -39,21 +39,25 @@ def glass(kind: str, roughness: float, color: tuple) -> bpy.types.Material:
     for name, value in {**inputs, "Roughness": roughness}.items():
         node.inputs[name].default_value = value
     node.inputs[0].default_value = (*color, 1.0)
-    node.distribution = "GGX"
+    node.distribution = distribution
     output = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial")
     tree.links.new(node.outputs[0], output.inputs["Surface"])
     return material
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("roughness", [0.0, 0.3])
+BECKMANN = [("glass", 0.3, "BECKMANN"), ("refraction", 0.3, "BECKMANN")]
+
+
+@pytest.mark.parametrize(
+    ("kind", "roughness", "distribution"), [(k, r, "GGX") for k in KINDS for r in (0.0, 0.3)] + BECKMANN
+)
 def test_a_clear_surface_under_a_white_world_is_as_bright_as_in_cycles(
-    white_world: bpy.types.Scene, kind: str, roughness: float
+    white_world: bpy.types.Scene, kind: str, roughness: float, distribution: str
 ) -> None:
     """A plane bends light once: what passes is seen without another surface behind."""
     bpy.ops.mesh.primitive_plane_add(size=100.0)
     plane = bpy.context.object
-    plane.data.materials.append(glass(kind, roughness, (0.6, 0.3, 0.1)))
+    plane.data.materials.append(glass(kind, roughness, (0.6, 0.3, 0.1), distribution))
     probe = small_probe("Sky", (0.0, 0.0, 0.0), (60.0, 60.0, 60.0), capture_offset=(0.0, 0.0, 1.0))
     probe.pcc_probe.hidden_objects.add().object = plane
     found = {}

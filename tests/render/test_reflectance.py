@@ -81,7 +81,7 @@ def test_reflected_and_diffuse_light_add_up_as_in_cycles(white_world: bpy.types.
     _compare(white_world, principled("Surface", Base_Color=(0.6, 0.3, 0.1, 1.0), **keys))
 
 
-@pytest.mark.parametrize("distribution", ["GGX", "MULTI_GGX"])
+@pytest.mark.parametrize("distribution", ["GGX", "MULTI_GGX", "BECKMANN"])
 @pytest.mark.parametrize(("kind", "inputs"), OTHERS)
 def test_other_lobes_reflect_as_in_cycles(
     white_world: bpy.types.Scene, kind: str, inputs: dict, distribution: str

@@ -10,6 +10,7 @@ from __future__ import annotations
 from functools import cache
 
 from ..expression import Expr, Formula, Section, clamp, dot, mix, multiply_add, normalize
+from ..ggx import Distribution
 from .fresnel import Facets
 from .lobe import Lobe
 from .lookup import INCOMING, MIRRORED, NORMAL
@@ -22,13 +23,14 @@ def _lean(lobe: Lobe, facets: tuple[Facets, ...]) -> Expr:
 
 
 @cache
-def dominant(facets: tuple[Facets, ...]) -> Formula:
+def dominant(facets: tuple[Facets, ...], distribution: Distribution = Distribution.GGX) -> Formula:
     """The reflected ray of a rough surface, "Direction", unit.
 
     Args:
         facets: of its lobe; where a metallic lobe is mixed by Metallic over another, of both, the metallic one last.
+        distribution: of them.
     """
     cosine = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))
-    lean = Section("Dominant direction", _lean(Lobe(cosine, ROUGHNESS), facets))
-    title = " over ".join(one.label for one in reversed(facets))
+    lean = Section("Dominant direction", _lean(Lobe(cosine, ROUGHNESS, distribution), facets))
+    title = " over ".join(one.label for one in reversed(facets)) + distribution.words
     return Formula(f"Dominant Direction, {title}", {"Direction": normalize(multiply_add(NORMAL, lean, MIRRORED))})

@@ -15,7 +15,7 @@ from .transmission import Transmission
 SurfaceEffect = Multiscatter | Dielectric | Metal | Glossy | TintedMetal | Transmission
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
-MICROFACETS = {"GGX", "MULTI_GGX"}  # distributions that the levels are made for
+MICROFACETS = {"GGX", "MULTI_GGX", "BECKMANN"}  # distributions that can be shown by levels made for GGX
 LAYERS = {"Coat Weight": "coat", "Sheen Weight": "sheen"}
 """What may lie over the lobe of a Principled BSDF: it stays the renderer's own, and dims what is under it."""
 

@@ -1,4 +1,4 @@
-"""The GGX lobe of a surface as expressions of view cosine and roughness: how much it reflects, and at which angle.
+"""The lobe of a surface as expressions of view cosine and roughness: how much it reflects, and at which angle.
 
 A lobe reflects as a mirror would at an "effective cosine", times its albedo (what the masking of microfacets leaves of
 white light): ∫ F dE = E · F(effective cosine), with the exact Fresnel curve F. Both E and the effective cosine are
@@ -17,7 +17,7 @@ from functools import cache
 import numpy as np
 
 from ..expression import Expr, clamp, multiply_add
-from ..ggx import Curve, lobe_samples, reflected_samples, transmitted_samples
+from ..ggx import Curve, Distribution, lobe_samples, reflected_samples, transmitted_samples
 from .fresnel import Facets, fresnel_dielectric
 
 Coefficients = tuple[tuple[float, ...], ...]  # by term, then by power of the roughness, lowest first
@@ -27,6 +27,8 @@ _COSINES = np.concatenate([[0.0002, 0.001, 0.002, 0.004, 0.008], 0.5 - 0.5 * np.
 _ROUGHNESSES = np.array([0.01, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.7, 0.85, 1.0])
 _IMPORTANT = 0.65  # roughness up to which the fit must be good
 _LEAST_F0 = 0.02  # water
+_PAIRS = [(c, r) for r in _ROUGHNESSES for c in _COSINES]
+_SAMPLES = {Distribution.GGX: 40, Distribution.BECKMANN: 96}  # a side; Beckmann's facets are not drawn as they are seen
 _POWERS = 5  # of roughness in each coefficient
 # Of the angle between the mirrored view and the mean direction of the lobe. The mean is right for light that changes
 # slowly with the direction; small lamps show where the lobe is densest, which is nearer to the mirrored view.
@@ -40,10 +42,12 @@ class Lobe:
     Attributes:
         cosine: between view and normal, 0 … 1.
         roughness: 0 … 1.
+        distribution: of its microfacets.
     """
 
     cosine: Expr
     roughness: Expr
+    distribution: Distribution = Distribution.GGX
 
     @property
     def alpha(self) -> Expr:
@@ -56,11 +60,11 @@ class Lobe:
 
     def albedo(self) -> Expr:
         """What the lobe reflects of white light where every microfacet is a perfect mirror."""
-        return self._without(_albedo_fit())
+        return self._without(_albedo_fit(self.distribution))
 
     def average_albedo(self) -> Expr:
         """The cosine-weighted mean of the albedo over all views, an expression of roughness alone."""
-        return 1.0 - self.alpha * _by_powers(_average_fit(), self.roughness)[0]
+        return 1.0 - self.alpha * _by_powers(_average_fit(self.distribution), self.roughness)[0]
 
     def transmittance(self, eta: float) -> Expr:
         """What the lobe lets through of white light to the other side of an interface that reflects nothing.
@@ -68,7 +72,7 @@ class Lobe:
         Args:
             eta: index of refraction; below 1 that of its inverse is taken.
         """
-        return self._without(_transmittance_fit(max(eta, 1.0 / eta)))
+        return self._without(_transmittance_fit(max(eta, 1.0 / eta), self.distribution))
 
     def _without(self, loss_fit: Coefficients) -> Expr:
         """What a loss leaves that is fitted by the first four powers of `grazing`."""
@@ -83,7 +87,9 @@ class Lobe:
             curve: 0 at normal incidence, 1 along the surface; it must not rise with the cosine.
             f0: the least reflectance at normal incidence that it is used with.
         """
-        constant, slope, first, second = _by_powers(_cosine_fit(curve, max(f0, _LEAST_F0)), self.roughness)
+        constant, slope, first, second = _by_powers(
+            _cosine_fit(curve, max(f0, _LEAST_F0), self.distribution), self.roughness
+        )
         v = self.grazing
         shift = multiply_add(v, multiply_add(v, second, first), multiply_add(self.cosine, slope, constant))
         return clamp(multiply_add(self.alpha, shift, self.cosine))
@@ -96,7 +102,7 @@ class Lobe:
         Args:
             facets: which reflect it.
         """
-        first, second, third = _by_powers(_lean_fit(facets), self.roughness)
+        first, second, third = _by_powers(_lean_fit(facets, self.distribution), self.roughness)
         v = self.grazing
         return self.alpha * v * multiply_add(v, multiply_add(v, third, second), first)
 
@@ -108,7 +114,7 @@ class Lobe:
             angles: the curve that `effective_cosine` is known for, with F0 = 1.
             at_effective: `curve` at that cosine.
         """
-        *powers, first, second = _by_powers(_average_of(curve, angles), self.roughness)
+        *powers, first, second = _by_powers(_average_of(curve, angles, self.distribution), self.roughness)
         polynomial = powers[-1]
         for coefficient in powers[-2::-1]:
             polynomial = multiply_add(self.cosine, polynomial, coefficient)
@@ -129,27 +135,26 @@ def _by_powers(coefficients: Coefficients, roughness: Expr) -> list[Expr]:
 
 
 @cache
-def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _grid(distribution: Distribution) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(cosines, roughnesses), each (n,), and the lobe's microfacet cosines and weights there, each (n, samples)."""
-    pairs = [(c, r) for r in _ROUGHNESSES for c in _COSINES]
-    samples = [lobe_samples(c, r, 40) for c, r in pairs]
-    cosines, roughnesses = np.array(pairs).T
+    samples = [lobe_samples(c, r, _SAMPLES[distribution], distribution) for c, r in _PAIRS]
+    cosines, roughnesses = np.array(_PAIRS).T
     return cosines, roughnesses, np.stack([s[0] for s in samples]), np.stack([s[1] for s in samples])
 
 
 def _grazing() -> np.ndarray:
-    cosine, roughness, _, _ = _grid()
+    cosine, roughness = np.array(_PAIRS).T
     return roughness**2 / (roughness**2 + cosine)
 
 
 @cache
-def _albedo() -> np.ndarray:
-    return _grid()[3].mean(1)
+def _albedo(distribution: Distribution) -> np.ndarray:
+    return _grid(distribution)[3].mean(1)
 
 
 def _fitted(terms: Sequence[np.ndarray], target: np.ndarray, weight: np.ndarray) -> Coefficients:
     """Coefficients by term and power of roughness, by weighted least squares."""
-    roughness = _grid()[1]
+    roughness = np.array(_PAIRS)[:, 1]
     basis = np.stack([term * roughness**j for term in terms for j in range(_POWERS)], -1)
     weight = weight * np.where(roughness <= _IMPORTANT, 1.0, 0.2)
     solution = np.linalg.lstsq(basis * weight[:, None], target * weight, rcond=None)[0]
@@ -157,18 +162,20 @@ def _fitted(terms: Sequence[np.ndarray], target: np.ndarray, weight: np.ndarray)
 
 
 @cache
-def _albedo_fit() -> Coefficients:
-    v = _grazing()
-    return _fitted([v, v**2, v**3, v**4], 1.0 - _albedo(), 1.0 / _albedo())
+def _albedo_fit(distribution: Distribution) -> Coefficients:
+    v, albedo = _grazing(), _albedo(distribution)
+    return _fitted([v, v**2, v**3, v**4], 1.0 - albedo, 1.0 / albedo)
 
 
 @cache
-def _transmittance_fit(eta: float) -> Coefficients:
-    cosine, roughness, facets, mirrored = _grid()
+def _transmittance_fit(eta: float, distribution: Distribution) -> Coefficients:
+    _, _, facets, mirrored = _grid(distribution)
     passed = np.array(
         [
             np.mean(weights * (1.0 - fresnel_dielectric(facet, eta)))
-            for facet, weights in (transmitted_samples(c, r, eta, 40) for c, r in zip(cosine, roughness, strict=True))
+            for facet, weights in (
+                transmitted_samples(c, r, eta, _SAMPLES[distribution], distribution) for c, r in _PAIRS
+            )
         ]
     )
     left = 1.0 - (mirrored * fresnel_dielectric(facets, eta)).mean(1) / mirrored.mean(1)
@@ -177,9 +184,9 @@ def _transmittance_fit(eta: float) -> Coefficients:
 
 
 @cache
-def _average_fit() -> Coefficients:
-    c = _grid()[0]
-    albedo = _albedo().reshape(len(_ROUGHNESSES), -1)
+def _average_fit(distribution: Distribution) -> Coefficients:
+    c = np.array(_PAIRS)[:, 0]
+    albedo = _albedo(distribution).reshape(len(_ROUGHNESSES), -1)
     c = c.reshape(albedo.shape)[0]
     mu, values = np.concatenate([[0.0], c]), np.concatenate([albedo[:, :1], albedo], 1)
     products = 2.0 * mu * values
@@ -190,9 +197,9 @@ def _average_fit() -> Coefficients:
 
 
 @cache
-def _cosine_fit(curve: Curve, f0: float) -> Coefficients:
-    c, roughness, facets, weights = _grid()
-    mean = (weights * curve(facets)).mean(1) / _albedo()
+def _cosine_fit(curve: Curve, f0: float, distribution: Distribution) -> Coefficients:
+    c, roughness, facets, weights = _grid(distribution)
+    mean = (weights * curve(facets)).mean(1) / _albedo(distribution)
     x = np.linspace(0.0, 1.0, 4001)
     values = curve(x)
     slope = np.abs(np.gradient(values, x))
@@ -203,9 +210,9 @@ def _cosine_fit(curve: Curve, f0: float) -> Coefficients:
 
 
 @cache
-def _lean_fit(facets: Facets) -> Coefficients:
-    cosine, roughness, _, _ = _grid()
-    tilt = np.array([_TILT * mean_tilt(c, r, facets) for c, r in zip(cosine, roughness, strict=True)])
+def _lean_fit(facets: Facets, distribution: Distribution) -> Coefficients:
+    cosine, roughness = np.array(_PAIRS).T
+    tilt = np.array([_TILT * mean_tilt(c, r, facets, _SAMPLES[distribution], distribution) for c, r in _PAIRS])
     angle = np.arccos(np.minimum(cosine, 1.0 - 1e-4))  # head-on there is nothing to tilt
     lean = np.sin(angle) / np.tan(angle - tilt) - np.cos(angle)
     v = _grazing()
@@ -214,7 +221,13 @@ def _lean_fit(facets: Facets) -> Coefficients:
     return _fitted([alpha * v, alpha * v**2, alpha * v**3], lean, weight)
 
 
-def mean_tilt(cosine: float, roughness: float, facets: Facets, grid: int = 40) -> float:
+def mean_tilt(
+    cosine: float,
+    roughness: float,
+    facets: Facets,
+    grid: int = 40,
+    distribution: Distribution = Distribution.GGX,
+) -> float:
     """By which angle the mean direction of a lobe's light lies nearer to the normal than the mirrored view, radians.
 
     Args:
@@ -222,20 +235,21 @@ def mean_tilt(cosine: float, roughness: float, facets: Facets, grid: int = 40) -
         roughness: above 0.
         facets: which reflect the light.
         grid: quadrature points on each side.
+        distribution: of them.
     """
-    view_half, light, leaving = reflected_samples(cosine, roughness, grid)
+    view_half, light, leaving = reflected_samples(cosine, roughness, grid, distribution)
     x, _, z = (leaving * facets.curve(view_half)) @ light
     return float(np.arccos(cosine) - np.arctan2(-x, z))
 
 
 @cache
-def _average_of(curve: Curve, angles: Curve) -> Coefficients:
-    c, roughness, facets, weights = _grid()
-    mean = (weights * curve(facets)).mean(1) / _albedo()
+def _average_of(curve: Curve, angles: Curve, distribution: Distribution) -> Coefficients:
+    c, roughness, facets, weights = _grid(distribution)
+    mean = (weights * curve(facets)).mean(1) / _albedo(distribution)
     alpha, v = roughness**2, _grazing()
     shift = np.stack(
         [term * roughness**j for term in (alpha, alpha * c, alpha * v, alpha * v * v) for j in range(_POWERS)]
     )
-    effective = np.clip(c + np.ravel(_cosine_fit(angles, 1.0)) @ shift, 0.0, 1.0)
+    effective = np.clip(c + np.ravel(_cosine_fit(angles, 1.0, distribution)) @ shift, 0.0, 1.0)
     terms = [alpha * c**k for k in range(6)] + [alpha * v, alpha * v * v]
     return _fitted(terms, mean - curve(effective), np.ones_like(c))

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from ..expression import Expr, Formula, Section, clamp, dot, lift
+from ..ggx import Distribution
 from ..readings import SurfaceReading
 from .dominant import dominant
 from .kinds import KINDS, SurfaceEffect
@@ -48,22 +49,24 @@ class SurfaceEffects:
         effects: one after the other.
         leaves_base: whether a diffuse base is left beside the lobe.
         smooth: whether it is a mirror all over.
+        distribution: of its microfacets; the levels of probes are those of GGX, of which the most similar is taken.
     """
 
     effects: tuple[SurfaceEffect, ...]
     leaves_base: bool = True
     smooth: bool = False
+    distribution: Distribution = Distribution.GGX
 
     @property
     def label(self) -> str:
         """A short name, unique for the record, for the node group's title."""
-        return ", ".join(effect.label for effect in self.effects)
+        return ", ".join(effect.label for effect in self.effects) + self.distribution.words
 
     @property
     def rays(self) -> tuple[Ray, ...]:
         """Along which it looks probes up."""
         through = [e for e in self.effects if isinstance(e, Transmission)]
-        seen = [Ray(e.ray, "Transmitted Radiance", e.narrowing) for e in through]
+        seen = [Ray(e.ray, "Transmitted Radiance", e.narrowing * self.distribution.nearest) for e in through]
         return (*self._reflected, *seen)
 
     @property
@@ -77,7 +80,7 @@ class SurfaceEffects:
         first, last = mirroring[0], mirroring[-1]
         mixed = isinstance(last, Metal) and last is not first
         facets = (first.facets, last.facets) if mixed else (first.facets,)
-        return (Ray(dominant(facets), "Radiance"),)
+        return (Ray(dominant(facets, self.distribution), "Radiance", self.distribution.nearest),)
 
     @property
     def transmits(self) -> bool:
@@ -99,7 +102,9 @@ def surface_effects(surface: SurfaceReading, interface: Interface = Interface.SO
     reflects = any(not isinstance(effect, Multiscatter) for effect in found)
     roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
     smooth = roughness is not None and roughness <= 0.0
-    return SurfaceEffects(tuple(found), kind.leaves_base, smooth) if reflects else None
+    beckmann = surface.distribution == "BECKMANN" and not smooth
+    distribution = Distribution.BECKMANN if beckmann else Distribution.GGX
+    return SurfaceEffects(tuple(found), kind.leaves_base, smooth, distribution) if reflects else None
 
 
 def surface(effects: SurfaceEffects) -> dict[str, Expr]:
@@ -112,7 +117,7 @@ def surface(effects: SurfaceEffects) -> dict[str, Expr]:
     """
     # At 0 and below the critical angle Fresnel's terms are 0/0.
     cosine = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))
-    shading = Shading(Lobe(cosine, ROUGHNESS), lift(0.0), lift(1.0))
+    shading = Shading(Lobe(cosine, ROUGHNESS, effects.distribution), lift(0.0), lift(1.0))
     for effect in effects.effects:
         shading = effect.apply(shading)
     radiances = {"Radiance": RADIANCE * shading.reflectance, "Transmitted Radiance": BEHIND * shading.transmittance}
