@@ -214,7 +214,9 @@ def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool, in
     how = f"roughness {low:.3g}" if low == high else "roughness varies"
     beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
     layers = layers_of(surface)
-    reasons = [how + beyond, effects.label, *(f"its {layer} lies over that as it is" for layer in layers)]
+    refused = KINDS[surface.kind].refused
+    rounded = [no.served for name, no in refused.items() if surface.has(name) and surface.value(name) != 0.0]
+    reasons = [how + beyond, effects.label, *rounded, *(f"its {layer} lies over that as it is" for layer in layers)]
     bent = bends_normals and surface.has("Normal") and surface.value("Normal") is None
     reasons += ["its normals are bent where they would mirror the view into the surface"] * bent
     if effects.transmits and interface is Interface.ONCE:
@@ -231,7 +233,7 @@ def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) ->
         words = surface.kind.removeprefix("ShaderNode").removeprefix("Bsdf")
         yield f"is a {words} shader (a Principled BSDF would show a probe)"
         return
-    yield from (why for name, why in kind.refused.items() if surface.has(name) and surface.value(name) != 0.0)
+    yield from (no.why for name, no in kind.refused.items() if surface.has(name) and no.applies(surface.value(name)))
     if roughness != 0.0 and surface.distribution and surface.distribution not in MICROFACETS:
         yield f"its microfacets are {surface.distribution.replace('_', ' ').title()} (GGX would show a probe)"
     if surface.fresnel not in ("", "F82"):

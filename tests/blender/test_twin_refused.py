@@ -101,7 +101,10 @@ def test_a_material_that_is_too_rough_is_unchanged_and_named(probe) -> None:
 def test_all_reasons_are_given(probe) -> None:
     material = principled("Odd", Thin_Film_Thickness=300.0, Anisotropic=0.5)
     show(material)
-    check_refused(material, "is anisotropic (0 would show a probe) and has a thin film")
+    check_refused(
+        material,
+        "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe) and has a thin film",
+    )
 
 
 def test_a_refused_surface_does_not_keep_the_others_of_its_material_from_showing_the_probe(probe) -> None:

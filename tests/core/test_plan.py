@@ -44,7 +44,7 @@ def plan_of(*materials: MaterialReading, probes: tuple[ProbeReading, ...] = (), 
     return plan
 
 
-ANISOTROPIC = "is anisotropic (0 would show a probe)"
+ANISOTROPIC = "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe)"
 FILM = "has a thin film (a thickness of 0 would show a probe)"
 
 # Surfaces
@@ -92,6 +92,21 @@ def test_layers_stay_over_the_lobe(name: str, layer: str, weight: float | None) 
     plan = planned(surface(**{name: weight}))
     assert plan.effects == planned(surface()).effects and plan.layered and not planned(surface()).layered
     assert plan.reasons[-1] == f"its {layer} lies over that as it is"
+
+
+def test_a_little_anisotropy_is_shown_as_none_and_said() -> None:
+    for value, served in ((0.2, True), (0.21, False), (None, False)):
+        plan = planned(surface(Anisotropic=value))
+        assert (plan.effects is not None) is served
+        if served:
+            assert plan.effects == planned(surface()).effects
+            assert "its anisotropy is little: the probe shows it as rough alike all around" in plan.reasons
+    for kind, inputs in (("ShaderNodeBsdfAnisotropic", {"Color": WHITE}), ("ShaderNodeBsdfMetallic", {})):
+        for value, served in ((0.2, True), (-0.2, True), (-0.21, False)):
+            plan = planned(
+                other(kind, fresnel="F82" * ("Metallic" in kind), Anisotropy=value, Edge_Tint=WHITE, **inputs)
+            )
+            assert (plan.effects is not None) is served
 
 
 def other(kind: str, distribution: str = "GGX", fresnel: str = "", **inputs: Value) -> SurfaceReading:

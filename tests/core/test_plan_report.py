@@ -40,7 +40,8 @@ def test_the_text_says_everything() -> None:
         "    object 'Here' shows 'A'",
         "    object 'There' shows 'B'",
         f"    surface 'Good': roughness 0.25; {GOOD}",
-        "    surface 'Odd': keeps its own lobe: is anisotropic (0 would show a probe); "
+        "    surface 'Odd': keeps its own lobe: "
+        "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe); "
         "its roughness 0.9 is above the scene's limit 0.6",
         "probe 'Broken' is faulty",
     ]
@@ -77,7 +78,7 @@ def test_the_records_say_everything() -> None:
                 "path": ["Odd"],
                 "effects": None,
                 "reasons": [
-                    "is anisotropic (0 would show a probe)",
+                    "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe)",
                     "its roughness 0.9 is above the scene's limit 0.6",
                 ],
             },

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ..readings import SurfaceReading
+from ..readings import SurfaceReading, Value
 from .dielectric import Dielectric
 from .glossy import Glossy
 from .metal import Metal, TintedMetal
@@ -21,35 +21,66 @@ LAYERS = {"Coat Weight": "coat", "Sheen Weight": "sheen"}
 
 
 @dataclass(frozen=True)
+class Refusal:
+    """An input that may keep a lobe from showing a probe.
+
+    Attributes:
+        why: in words.
+        most: what it may be, of either sign, and still be served as if it were 0.
+        served: what becomes of it then, in words.
+    """
+
+    why: str
+    most: float = 0.0
+    served: str = ""
+
+    def applies(self, value: Value) -> bool:
+        """Whether the input, None where it varies, is the reason that a lobe keeps from showing a probe."""
+        return not isinstance(value, (int, float)) or abs(value) > self.most * (1.0 + _ROUNDING)
+
+
+_ROUNDING = 1e-6  # of what a field in single precision says
+
+
+@dataclass(frozen=True)
 class Kind:
     """A BSDF.
 
     Attributes:
         effects: what tells each effect that it may have, or None where it is not wanted, in the order of their working.
-        refused: why an input that is not 0 keeps its lobe from showing a probe.
+        refused: which inputs keep its lobe from showing a probe, and why.
         leaves_base: whether a diffuse base is left beside the lobe.
     """
 
     effects: tuple[Callable[[SurfaceReading], SurfaceEffect | None], ...]
-    refused: Mapping[str, str]
+    refused: Mapping[str, Refusal]
     leaves_base: bool = False
 
 
-_FILM = "has a thin film (a thickness of 0 would show a probe)"
-_ANISOTROPIC = "is anisotropic (0 would show a probe)"
+_FILM = Refusal("has a thin film (a thickness of 0 would show a probe)")
+
+
+# Of a lobe that is wider one way. A Principled BSDF's widths then are as 5 to 4, a Glossy BSDF's as 3 to 2.
+_LITTLE = 0.2
+_ANISOTROPY = Refusal(
+    f"is anisotropic by more than {_LITTLE:g} or a texture (at most {_LITTLE:g} would show a probe)",
+    _LITTLE,
+    "its anisotropy is little: the probe shows it as rough alike all around",
+)
 
 KINDS: Mapping[str, Kind] = {
     PRINCIPLED: Kind(
         effects=(Multiscatter.wanted, Dielectric.wanted, Transmission.of_principled, Metal.wanted),
         refused={
-            "Anisotropic": _ANISOTROPIC,
+            "Anisotropic": _ANISOTROPY,
             "Thin Film Thickness": _FILM,
         },
         leaves_base=True,
     ),
-    "ShaderNodeBsdfAnisotropic": Kind((Multiscatter.wanted, Glossy.wanted), {"Anisotropy": _ANISOTROPIC}),
+    "ShaderNodeBsdfAnisotropic": Kind((Multiscatter.wanted, Glossy.wanted), {"Anisotropy": _ANISOTROPY}),
     "ShaderNodeBsdfMetallic": Kind(
-        (Multiscatter.wanted, TintedMetal.wanted), {"Anisotropy": _ANISOTROPIC, "Thin Film Thickness": _FILM}
+        (Multiscatter.wanted, TintedMetal.wanted),
+        {"Anisotropy": _ANISOTROPY, "Thin Film Thickness": _FILM},
     ),
     "ShaderNodeBsdfGlass": Kind((Multiscatter.wanted, Transmission.of_glass), {"Thin Film Thickness": _FILM}),
     "ShaderNodeBsdfRefraction": Kind((Multiscatter.wanted, Transmission.of_refraction), {}),
