@@ -29,15 +29,13 @@ _CLEANED = (
     ".astype(np.float32)"
 )
 _FACE_OF = "index = 2 * axis + (np.take_along_axis(directions, axis[:, None], -1)[:, 0] < 0)"
-_GRID = 'u1, u2 = (a.ravel() for a in np.meshgrid(u, u, indexing="ij"))'
+_GRID = 'first, second = np.meshgrid(u, u, indexing="ij")'
 _AVERAGES = (
     "def directional_averages("
     "cosines: np.ndarray, roughness: float, curves: Sequence[Curve], grid: int = 96) -> np.ndarray:"
 )
 _UNIT = "return normal / np.linalg.norm(normal, axis=-1, keepdims=True)"
-_LEAVES = (
-    "return view_half, np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)"
-)
+_LEAVES = "return np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)"
 _SEEN = "return np.where(light_cosine > 0.0, distribution * masking, 0.0)"
 _FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
 _ARGUMENTS = "given = zip(formula.inputs, expr.calls.arguments, strict=True)"
