@@ -157,7 +157,7 @@ def test_the_output_is_named_in_force_and_takes_the_rest_along(probe) -> None:
     link(material, both.outputs[0], own.inputs["Volume"])
     injected(material)
     [output] = ours(material, "ShaderNodeOutputMaterial")
-    assert output.is_active_output and output.label == "Parallax Probe" and output.name == "PCC Material Output"
+    assert output.is_active_output and output.label == "Material Output, Parallax Probe"
     assert fed(output, "Displacement")[0].bl_idname == "ShaderNodeDisplacement"
     assert fed(output, "Volume")[0] == both, "a volume is no surface and has no twin"
 
@@ -318,7 +318,7 @@ def test_shaders_around_a_surface_are_copied_and_read_its_twin(probe) -> None:
     original.inputs[0].default_value = 0.25
     injected(material)
     copy = seen(material)
-    assert copy != original and copy.name == f"PCC {original.name}" and copy.inputs[0].default_value == 0.25
+    assert copy != original and copy.bl_idname == original.bl_idname and copy.inputs[0].default_value == 0.25
     for slot, name in ((1, "Principled BSDF"), (2, "Principled BSDF.001")):
         assert fed(fed(copy, slot)[0], 2)[0].name == name
     twice = injected(one_shader_twice())
