@@ -31,8 +31,10 @@ def whole(probe: bpy.types.Object, roughness: float, receivers: Receivers) -> Fo
     effects = spec.effects(receivers, record.capture_point)
     rungs = [level.roughness for level in record.levels]
     levels = neighbours(rungs, roughness, roughness)
+    surface = SurfaceEffects((Metal(pure=True),), smooth=roughness == 0.0)
+    [ray] = surface.rays
     known = {
-        "Direction": lookup.MIRRORED,
+        "Direction": ray.formula()["Direction"],
         "Offset": (0.0, 0.0, 0.0),
         "Capture Point": record.capture_point,
         "Padding": spec.influence_padding,
@@ -45,7 +47,7 @@ def whole(probe: bpy.types.Object, roughness: float, receivers: Receivers) -> Fo
     mix = Formula("Mix", {"Radiance": mixed([rungs[k] for k in levels], ROUGHNESS)})
     shown = read()
     given = {f"Level_{i}": shown[f"Level {i}"] for i in range(len(levels)) if f"Level {i}" in mix.inputs}
-    lit = surface_formula(SurfaceEffects((Metal(pure=True),)))
+    lit = surface_formula(surface)
     return Formula("Whole", {"Radiance": lit(Radiance=mix(**given)["Radiance"])["Reflection"]})
 
 
