@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import atexit
 import sys
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -40,6 +40,28 @@ def covered(scene: bpy.types.Scene, item: bpy.types.Object) -> np.ndarray:
     without = render(scene, samples=4).pixels
     item.hide_render = False
     return without.sum(-1) == 0.0
+
+
+def pixels_of(scene: bpy.types.Scene, materials: Container[str]) -> np.ndarray:
+    """(h, w) mask of the pixels that show a material of one of these names."""
+    override = bpy.data.materials.new("Mask")
+    if override.node_tree is None:
+        override.use_nodes = True
+    nodes = override.node_tree.nodes
+    nodes.clear()
+    info, glow, output = (
+        nodes.new(kind) for kind in ("ShaderNodeObjectInfo", "ShaderNodeEmission", "ShaderNodeOutputMaterial")
+    )
+    override.node_tree.links.new(glow.outputs[0], output.inputs["Surface"])
+    for item in scene.objects:
+        item.pass_index = int(any(slot.material and slot.material.name in materials for slot in item.material_slots))
+    override.node_tree.links.new(info.outputs["Object Index"], glow.inputs["Strength"])
+    layer, world = scene.view_layers[0], scene.world
+    layer.material_override, scene.world = override, None
+    mask = render(scene, samples=4).pixels[..., 0] > 0.5
+    layer.material_override, scene.world = None, world
+    bpy.data.materials.remove(override)
+    return mask
 
 
 def relative_rmse(picture: np.ndarray, truth: np.ndarray, mask: np.ndarray | slice = slice(None)) -> float:

@@ -1,84 +1,204 @@
-"""Noise and energy of materials that show probes, against path tracing at equal samples, in rooms with small lamps.
+"""Noise, energy and fireflies of materials that show probes, against path tracing at equal samples, by light path.
 
 python3 dev.py run benchmarks/noise.py
 """
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Container, Iterator
+from dataclasses import dataclass
+
 import bpy
 import numpy as np
+from mathutils import Vector
 
-from benchmarks.measure import render, start, table, write_page
+from benchmarks.measure import pixels_of, render, start, table, write_page
 from pcc_addon.blender import marks
+from pcc_addon.blender.shade import by_hand
+from pcc_addon.blender.shade.surface_builder import PROBE
+from sample_blends.scenes import (
+    EMISSIVE_ROOM,
+    add_box,
+    add_camera,
+    add_room_probe,
+    add_wall,
+    emissive_room,
+    empty_scene,
+    principled,
+)
 from sample_blends.two_rooms import two_rooms
 
-SAMPLES, MANY = 32, 512
-GLOSSY = {"Tiles", "Lounge Mirror"}
+SAMPLES, SEEDS, MANY = 16, 4, 192
+SIZE = (96, 54)
+ROUGH = 0.6  # the roughest level of a probe
+BRIGHT = 5.0  # times the local median: a firefly
 
 
-def receivers(scene: bpy.types.Scene) -> np.ndarray:
-    """(h, w) mask of the pixels that show the floor or a mirror."""
-    override = bpy.data.materials.new("Mask")
-    if override.node_tree is None:
-        override.use_nodes = True
-    nodes = override.node_tree.nodes
-    nodes.clear()
-    info, glow, output = (
-        nodes.new(kind) for kind in ("ShaderNodeObjectInfo", "ShaderNodeEmission", "ShaderNodeOutputMaterial")
-    )
-    override.node_tree.links.new(glow.outputs[0], output.inputs["Surface"])
-    for item in scene.objects:
-        item.pass_index = int(any(slot.material and slot.material.name in GLOSSY for slot in item.material_slots))
-    override.node_tree.links.new(info.outputs["Object Index"], glow.inputs["Strength"])
-    scene.view_layers[0].material_override = override
-    mask = render(scene, samples=4).pixels[..., 0] > 0.5
-    scene.view_layers[0].material_override = None
-    bpy.data.materials.remove(override)
-    return mask
+@dataclass(frozen=True)
+class Place:
+    """A scene to measure: how it is built, and the materials that show probes there."""
+
+    name: str
+    build: Callable[[], bpy.types.Scene]
+    served: Container[str]
 
 
-def measure(scene: bpy.types.Scene, mask: np.ndarray) -> tuple[float, float, float, float]:
-    """RMS noise of one render outside and inside the mask, and the converged mean outside and inside."""
-    pair = []
-    for seed in (1, 2):
+@dataclass(frozen=True)
+class Measured:
+    """RMS noise, converged mean and number of fireflies, each elsewhere and on the receivers."""
+
+    noise: tuple[float, float]
+    mean: tuple[float, float]
+    fireflies: tuple[int, int]
+
+
+def _matt_boxes(room: object) -> None:
+    white = principled("White", Base_Color=(0.8, 0.8, 0.8, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
+    for x, y in ((0.5, 1.5), (2.0, -0.5), (-1.5, 1.8)):
+        add_box(room, "Block", (x, y, 0.7 - room.half_extents[2]), (0.5, 0.5, 0.7), white)
+
+
+def glowing_room() -> bpy.types.Scene:
+    """The emissive room with white boxes, which its mirror floor lights from below."""
+    scene = emissive_room()
+    _matt_boxes(EMISSIVE_ROOM)
+    add_room_probe(EMISSIVE_ROOM)
+    return scene
+
+
+def under_the_sky() -> bpy.types.Scene:
+    """A matt courtyard with a polished floor and white boxes, lit by a smooth sky alone."""
+    scene = empty_scene()
+    wall = principled("Wall", Base_Color=(0.6, 0.55, 0.5, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
+    for side in ("+X", "-X", "+Y", "-Y"):
+        add_wall(EMISSIVE_ROOM, side, wall)
+    add_wall(EMISSIVE_ROOM, "-Z", principled("Mirror", Base_Color=(0.9, 0.9, 0.9, 1.0), Metallic=1.0, Roughness=0.1))
+    _matt_boxes(EMISSIVE_ROOM)
+    background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
+    background.inputs["Color"].default_value = (0.4, 0.6, 1.0, 1.0)
+    background.inputs["Strength"].default_value = 1.0
+    room = EMISSIVE_ROOM
+    add_camera(room.world(-4.2, -3.3, 0.0), Vector(room.world(1.2, 0.9, -2.0)), 24.0, *SIZE)
+    add_room_probe(EMISSIVE_ROOM)
+    return scene
+
+
+TWO = {"Tiles", "Lounge Mirror", "Study Mirror"}
+PLACES = (
+    Place("lamps; tiles, roughness 0.04 … 0.16", two_rooms, TWO),
+    Place("glowing walls; mirror", glowing_room, {"Mirror"}),
+    Place("smooth sky; metal of roughness 0.1", under_the_sky, {"Mirror"}),
+)
+
+
+def fireflies(picture: np.ndarray, converged: np.ndarray) -> np.ndarray:
+    """(h, w) mask of the pixels that are bright beside the median of the 5 × 5 around, and are not in the truth."""
+    return _stands_out(picture) & ~_stands_out(converged)
+
+
+def _stands_out(picture: np.ndarray) -> np.ndarray:
+    bright = picture.mean(-1)
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(bright, 2, "reflect"), (5, 5))
+    return bright > BRIGHT * np.median(windows, (-2, -1))
+
+
+def measure(scene: bpy.types.Scene, mask: np.ndarray) -> Measured:
+    """Renders of few samples and one of many."""
+    pictures = []
+    for seed in range(1, SEEDS + 1):
         scene.cycles.seed = seed
-        pair.append(render(scene, samples=SAMPLES).pixels)
-    scene.cycles.seed = 3
+        pictures.append(render(scene, samples=SAMPLES).pixels)
+    scene.cycles.seed = SEEDS + 1
     truth = render(scene, samples=MANY).pixels
-    noise = np.square(pair[0] - pair[1]) / 2.0
-    noises = [float(np.sqrt(noise[part].mean())) for part in (~mask, mask)]
-    return noises[0], noises[1], float(truth[~mask].mean()), float(truth[mask].mean())
+    noise = np.var(pictures, axis=0, ddof=1)
+    bright = [fireflies(picture, truth) for picture in pictures]
+    parts = (~mask, mask)
+    return Measured(
+        tuple(float(np.sqrt(noise[part].mean())) for part in parts),
+        tuple(float(truth[part].mean()) for part in parts),
+        tuple(int(np.sum([found[part].sum() for found in bright])) for part in parts),
+    )
+
+
+def _own_lobe_mixes() -> Iterator[tuple[bpy.types.ShaderNodeTree, bpy.types.Node]]:
+    """The Mix Shaders by which twins give diffuse rays the surface's own lobe, with their trees."""
+    for material in bpy.data.materials:
+        for node in material.node_tree.nodes:
+            if node.bl_idname == "ShaderNodeMixShader" and marks.role(node) == "glow":
+                yield material.node_tree, node
+
+
+def rough_for_diffuse_rays() -> None:
+    """Give diffuse rays the twin itself in place of the own lobe, its probes at their roughest level."""
+    for tree, mix in _own_lobe_mixes():
+        mix.mute = True
+        path = tree.nodes.new("ShaderNodeLightPath")
+        for probe in [n for n in tree.nodes if marks.role(n) == PROBE]:
+            owner = next(d.driver.variables[0].targets[0].id for d in probe.node_tree.animation_data.drivers)
+            rough = tree.nodes.new("ShaderNodeGroup")
+            rough.node_tree = by_hand.group_for(owner)
+            rough.inputs["Roughness"].default_value = ROUGH
+            for output in probe.outputs:
+                if not output.name.startswith("Level"):
+                    continue
+                for link in list(output.links):
+                    choice = tree.nodes.new("ShaderNodeMix")
+                    choice.data_type = "RGBA"
+                    wanted = link.to_socket
+                    tree.links.new(path.outputs["Is Diffuse Ray"], choice.inputs[0])
+                    tree.links.new(output, choice.inputs[6])
+                    tree.links.new(rough.outputs["Radiance"], choice.inputs[7])
+                    tree.links.new(choice.outputs[2], wanted)
+
+
+def probe_for_diffuse_rays() -> None:
+    """Give diffuse rays what all others see."""
+    for _, mix in _own_lobe_mixes():
+        mix.mute = True
 
 
 def main() -> None:
     start()
     rows = []
-    for name, roughness in (("tiles, roughness 0.04 … 0.16", None), ("floor of roughness 0.12", 0.12)):
-        scene = two_rooms(roughness)
-        scene.render.resolution_x, scene.render.resolution_y = 160, 90
+    for place in PLACES:
+        scene = place.build()
+        scene.render.resolution_x, scene.render.resolution_y = SIZE
         for probe in (o.pcc_probe for o in scene.objects if o.pcc_probe.is_probe):
-            probe.resolution, probe.samples = 256, 32
-        mask = receivers(scene)
+            probe.resolution, probe.samples = 128, 32
+        mask = pixels_of(scene, place.served)
         path = measure(scene, mask)
+        print(path, file=sys.stderr, flush=True)
         bpy.ops.pcc.bake(scope="ALL")
         bpy.ops.pcc.inject()
-        shown = measure(scene, mask)
-        for node in (n for m in bpy.data.materials for n in m.node_tree.nodes):
-            if node.bl_idname == "ShaderNodeMixShader" and marks.role(node) == "glow":
-                node.mute = True
-        everywhere = measure(scene, mask)
-        for what, found in (("all but diffuse rays (as injected)", shown), ("all rays", everywhere)):
-            rows.append([name, what, *(f"{a / b:.3f}" for a, b in zip(found, path, strict=True))])
+        found = {"own lobe (as injected)": measure(scene, mask)}
+        probe_for_diffuse_rays()
+        found["the probe"] = measure(scene, mask)
+        rough_for_diffuse_rays()
+        found[f"the probe, roughness {ROUGH:g}"] = measure(scene, mask)
+        rows.append([place.name, "path tracing", *["1"] * 4, *(f"{n:g}" for n in path.fireflies)])
+        for what, ours in found.items():
+            ratios = zip((*ours.noise, *ours.mean), (*path.noise, *path.mean), strict=True)
+            rows.append([place.name, what, *(f"{a / b:.3f}" for a, b in ratios), *(f"{n:g}" for n in ours.fireflies)])
+            print(rows[-1], file=sys.stderr, flush=True)
+    head = [
+        "light; floor",
+        "what diffuse rays see",
+        "noise elsewhere",
+        "on receivers",
+        "mean elsewhere",
+        "on receivers",
+    ]
     text = (
-        f"Two furnished rooms with area lamps of 0.5 and 0.7 m (`sample_blends/two_rooms.py`), a shared floor and a "
-        f"mirror; {SAMPLES} samples without denoising, two seeds; means of {MANY} samples. Everything is divided by "
-        "the same of path tracing. Receivers are the floor and the mirror; rays that left a diffuse surface meet their "
-        "own lobe, so that what is lit by them is lit as without probes.\n\n"
-        + table(
-            ["floor", "who sees the probe", "noise elsewhere", "on receivers", "mean elsewhere", "on receivers"], rows
-        )
+        "Two furnished rooms with area lamps of 0.5 and 0.7 m (`sample_blends/two_rooms.py`), a shared floor and a "
+        "mirror; a room of glowing walls with a mirror for a floor and white boxes; a courtyard under a smooth sky. "
+        f"{SAMPLES} samples without denoising, {SEEDS} seeds; means of {MANY} samples, divided by those of path "
+        "tracing. Receivers are the surfaces that show probes. Fireflies: of the "
+        f"{SIZE[0] * SIZE[1] * SEEDS} pixels those that are more than {BRIGHT:g} times as bright as the median of the "
+        f"5 × 5 around, and are not in the picture of {MANY} samples; "
+        "what was counted, not divided.\n\n" + table([*head, "fireflies elsewhere", "on receivers"], rows)
     )
-    write_page("noise.md", "Noise and energy", "python3 dev.py run benchmarks/noise.py", text)
+    write_page("noise.md", "Noise, energy and fireflies", "python3 dev.py run benchmarks/noise.py", text)
 
 
 if __name__ == "__main__":
