@@ -54,11 +54,18 @@ _EXPLAINED = """## EEVEE
 
 A twin emits the reflection and its base has no specular lobe left, so rays that EEVEE traces find nothing to add; they
 are cast only for what keeps its own lobe. A surface that shows half of a probe therefore is the mean of both. *Is
-Diffuse Ray* is 0 in EEVEE's pictures, whose rays start at the surface itself. The diffuse base of a dielectric is EEVEE's
-own and gains from its ray tracing what it gains without a probe; so do the coat, and whatever shows no probe.
+Diffuse Ray* is 0 where EEVEE shades what the camera sees. The diffuse base of a dielectric is EEVEE's own and gains
+from its ray tracing as it does without a probe; so do the coat, and whatever shows no probe.
 
 What rays off other surfaces find in the picture is the twin's emission: where EEVEE's ray tracing is on, a served
 surface lights the walls around it.
+
+## What is lost before
+
+Where a lamp lights the room, the mean of a metal floor is too low in both engines alike, at the bake and not at the
+lookup: captures see metals black, so the walls in the pictures lack the light that the metal throws on them. A
+dielectric loses little of it, and walls that glow by themselves nothing. Rough metal is too dark there too: part of its
+lobe dips below the floor, which is black in the pictures.
 
 ## Which rays see the probe
 
@@ -182,8 +189,8 @@ def main() -> None:
     text = (
         f"A small room, turned and away from the origin, of glowing walls or lit by a lamp; {SIZE[0]} × {SIZE[1]} "
         f"pixels, faces of {FACE} px, {SAMPLES} samples, in EEVEE without shadow maps. *Off* and *on*: EEVEE's own ray "
-        "tracing, with its default settings. *Alone*: without a probe. Mean radiance over the pixels of the surface, and in "
-        "brackets the relative RMSE, against path tracing. *Reflection*: what the probe adds to the picture, which is "
+        "tracing, with its default settings. *Alone*: without a probe. Mean radiance over the pixels of the surface, "
+        "and in brackets the relative RMSE, against path tracing. *Reflection*: what the probe adds to the picture, "
         "that of EEVEE's ray tracing on over off (1: nothing doubled, nothing lost), and of EEVEE over Cycles. "
         "*Elsewhere*: the mean of the other pixels.\n\n" + table(head, rows) + "\n\n" + _EXPLAINED
     )
