@@ -59,7 +59,8 @@ SYSTEMS = (
         "inside-box intersection, any box",
         "inside_box",
         "scenes.py",
-        "A mirror floor: each wall's reflection meets the wall.",
+        "A mirror floor: each wall's reflection meets the wall. The thin dark line there is the floor itself, which is "
+        "black in captures as metals are: the picture's outermost texels mix it in.",
         scenes.mirror_floor,
         ("Wall -Z",),
     ),
@@ -67,7 +68,8 @@ SYSTEMS = (
         "outside test, what is shown there",
         "outside",
         "two_rooms.py",
-        "The lounge's probe alone, on a floor that runs through the doorway: beyond it the floor keeps its own lobe.",
+        "The lounge's probe alone, on a floor that runs through the doorway: beyond it the floor keeps its own lobe. "
+        "Before it the floor shows the study as the lounge's middle sees it, as if painted on the opening.",
         scenes.doorway_lounge,
         ("Floor",),
         "without the test",
