@@ -24,7 +24,7 @@ _OFFSET = 100.0  # keeps positions positive
 WAYS = {"Lounge alone": ("Lounge",), "Study alone": ("Study",), "both": ("Lounge", "Study")}
 
 
-def build() -> bpy.types.Scene:
+def build(resolution: int = RESOLUTION) -> bpy.types.Scene:
     """The rooms with a polished floor and no mirror, baked; seen from the lounge through the doorway."""
     scene = two_rooms(0.0, doorway=True)
     inputs = principled_node(bpy.data.materials["Tiles"]).inputs
@@ -34,7 +34,7 @@ def build() -> bpy.types.Scene:
     for name in ("Lounge", "Study"):
         bpy.data.objects.remove(bpy.data.objects[f"{name} Mirror"])  # no probe shows a mirror in a mirror
         settings = bpy.data.objects[name].pcc_probe
-        settings.resolution, settings.samples = RESOLUTION, 8
+        settings.resolution, settings.samples = resolution, 8
         settings.outside = "UNCORRECTED"  # each probe alone is to be seen on all of the floor
     bpy.ops.pcc.bake(scope="ALL")
     return scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import atexit
 import sys
-from collections.abc import Container, Sequence
+from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from pcc_addon.blender import rendering
 from pcc_addon.blender.rendering import Frame
 from pcc_addon.core.probe import Engine
 from pcc_addon.quiet import quiet_blender
+from sample_blends.scenes import emissive
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -62,6 +63,23 @@ def pixels_of(scene: bpy.types.Scene, materials: Container[str]) -> np.ndarray:
     layer.material_override, scene.world = None, world
     bpy.data.materials.remove(override)
     return mask
+
+
+def masks(scene: bpy.types.Scene, parts: Mapping[str, str]) -> dict[str, np.ndarray]:
+    """(h, w) for each part, at the scene's frame: the pixels in which nothing but the object of that name is seen."""
+    material, emission = emissive("Which")
+    info = material.node_tree.nodes.new("ShaderNodeObjectInfo")
+    material.node_tree.links.new(info.outputs["Object Index"], emission.inputs["Color"])
+    for k, name in enumerate(parts.values()):
+        bpy.data.objects[name].pass_index = k + 1
+    layer = bpy.context.view_layer
+    layer.material_override = material
+    which = render(scene, samples=1).pixels[..., 0]
+    layer.material_override = None
+    bpy.data.materials.remove(material)
+    for name in parts.values():
+        bpy.data.objects[name].pass_index = 0
+    return {part: which == k + 1 for k, part in enumerate(parts)}
 
 
 def relative_rmse(picture: np.ndarray, truth: np.ndarray, mask: np.ndarray | slice = slice(None)) -> float:

@@ -19,12 +19,11 @@ import bpy
 import numpy as np
 
 from benchmarks.doorway import _keep as keep
-from benchmarks.measure import relative_rmse, render, start, table, write_page
+from benchmarks.measure import masks, relative_rmse, render, start, table, write_page
 from pcc_addon.blender.read.fingerprint import SceneFingerprint
 from pcc_addon.blender.read.probes import bake_record
 from pcc_addon.core.probe import Engine
 from sample_blends.moving import BLINKS, FRAMES, moving
-from sample_blends.scenes import emissive
 
 SHOWN = (1, 8, 14, 20, 27, 31)
 RESOLUTION, SAMPLES, TRUTH_SAMPLES, EEVEE_SAMPLES = 64, 8, 96, 2
@@ -42,23 +41,6 @@ def build(folder: Path) -> bpy.types.Scene:
         settings.resolution, settings.samples, settings.denoise = RESOLUTION, SAMPLES, False
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "moving.blend"))
     return scene
-
-
-def masks(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
-    """(h, w) of each part at the scene's frame."""
-    material, emission = emissive("Which")
-    info = material.node_tree.nodes.new("ShaderNodeObjectInfo")
-    material.node_tree.links.new(info.outputs["Object Index"], emission.inputs["Color"])
-    for k, name in enumerate(PARTS.values()):
-        bpy.data.objects[name].pass_index = k + 1
-    layer = bpy.context.view_layer
-    layer.material_override = material
-    which = render(scene, samples=1).pixels[..., 0]
-    layer.material_override = None
-    bpy.data.materials.remove(material)
-    for name in PARTS.values():
-        bpy.data.objects[name].pass_index = 0
-    return {part: which == k + 1 for k, part in enumerate(PARTS)}
 
 
 @dataclass(frozen=True)
@@ -125,7 +107,7 @@ def errors(scene: bpy.types.Scene, pictures: Path | None) -> dict[str, dict[int,
     truth, seen = {}, {}
     for frame in SHOWN:
         scene.frame_set(frame)
-        truth[frame], seen[frame] = render(scene, samples=TRUTH_SAMPLES).pixels, masks(scene)
+        truth[frame], seen[frame] = render(scene, samples=TRUTH_SAMPLES).pixels, masks(scene, PARTS)
         keep(pictures, f"{frame} path-traced", truth[frame])
     found: dict[str, dict[int, dict[str, float]]] = {}
     ways = (

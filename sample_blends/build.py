@@ -12,7 +12,7 @@ import bpy
 
 import pcc_addon
 
-from . import any_cubemap, interior, moving, scenes
+from . import any_cubemap, by_hand, glass, interior, moving, scenes
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -20,17 +20,26 @@ FOLDER = Path(__file__).resolve().parent
 def main() -> None:
     pcc_addon.register()
     atexit.register(pcc_addon.unregister)  # Blender 4.5 as a module crashes at exit where types are left registered
-    _save("emissive_room.blend", _emissive_room_with_probe)
-    _save("gallery.blend", scenes.gallery)
     any_cubemap.write_cross(any_cubemap.PICTURE, 64)
-    _save("any_cubemap.blend", any_cubemap.any_cubemap)
-    _save("interior.blend", partial(interior.interior, 96, 48))
-    _save("moving.blend", moving.moving)
+    for name, build in SAMPLES.items():
+        _save(name, build)
 
 
 def _emissive_room_with_probe() -> None:
     scenes.emissive_room()
     scenes.add_room_probe(scenes.EMISSIVE_ROOM, (0.0, 0.0, -0.35))
+
+
+# Baked pictures, of eight levels each, are packed where windows and nodes by hand need a bake: small ones.
+SAMPLES: dict[str, Callable[[], object]] = {
+    "emissive_room.blend": _emissive_room_with_probe,
+    "gallery.blend": scenes.gallery,
+    "any_cubemap.blend": any_cubemap.any_cubemap,
+    "by_hand.blend": partial(by_hand.by_hand, 32),
+    "glass.blend": glass.glass,
+    "interior.blend": partial(interior.interior, 40, 64),
+    "moving.blend": moving.moving,
+}
 
 
 def _save(name: str, build: Callable[[], object]) -> None:

@@ -69,6 +69,7 @@ def interior(resolution: int = 256, samples: int = 64) -> bpy.types.Scene:
     dusk.inputs["Color"].default_value, dusk.inputs["Strength"].default_value = (0.25, 0.4, 0.8, 1.0), 0.5
     furnished_room()
     probe = bake_room(resolution, samples)
+    before = set(scene.objects)
     layers = flat_picture("Table", table()), flat_picture("Curtains", curtains())
     width, depth, height = (2.0 * h for h in ROOM.half_extents)
     sizes = {"Width": width, "Depth": depth, "Height": height}
@@ -83,6 +84,8 @@ def interior(resolution: int = 256, samples: int = 64) -> bpy.types.Scene:
     _annex(window_material("Shop Window", rooms, {**sizes, **variety, "Lit": 1.0, "Curtains": 0.0}))
     ground = principled("Ground", Base_Color=(0.12, 0.12, 0.12, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
     add_box(Room((1, 1, 1), (0.0, 0.0, 0.0), 0.0), "Ground", (0.0, 0.0, -0.1), (60.0, 60.0, 0.1), ground)
+    # Windows come after the bake whose picture they show: what the room's probe never sees cannot make it stale.
+    probe.pcc_probe.hidden_collection = collected("House", before)
     add_camera(Vector((2.0, -13.0, 1.7)), Vector((2.2, 3.0, 4.4)), 22.0, 640, 360)
     scene.cycles.samples = 64
     return scene
@@ -227,10 +230,13 @@ def curtains() -> np.ndarray:
 
 
 def flat_picture(name: str, pixels: np.ndarray) -> bpy.types.Image:
-    """A linear picture with alpha, packed."""
+    """A picture of 8 bits with alpha, packed; `pixels` are linear."""
     height, width = pixels.shape[:2]
-    image = bpy.data.images.new(name, width, height, alpha=True, float_buffer=True)
-    image.pixels.foreach_set(pixels.ravel())
+    image = bpy.data.images.new(name, width, height, alpha=True)
+    shown = pixels.copy()
+    light = pixels[..., :3]
+    shown[..., :3] = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)  # sRGB
+    image.pixels.foreach_set(shown.ravel())
     image.update()
     image.pack()
     return image
