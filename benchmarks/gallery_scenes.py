@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory, mkdtemp
 
 import bpy
 from mathutils import Matrix
@@ -26,6 +26,7 @@ from sample_blends.scenes import (
 from sample_blends.two_rooms import two_rooms
 
 FACE, LIT_FACE, SAMPLES = 256, 128, 16  # of captures; the second of rooms with lamps, whose pictures are softer
+_FILES = TemporaryDirectory()  # until the interpreter ends; Blender's own goes with the file that is open
 
 
 def probes() -> list[bpy.types.Object]:
@@ -104,7 +105,7 @@ def picture_from_elsewhere() -> None:
     painted_walls()
     settings = bpy.data.objects["Room"].pcc_probe
     settings.source = "IMAGE"
-    settings.picture = str(Path(mkdtemp(dir=bpy.app.tempdir), "cross.png"))
+    settings.picture = str(Path(mkdtemp(dir=_FILES.name), "cross.png"))
     any_cubemap.write_cross(Path(settings.picture), 64)
 
 
@@ -114,8 +115,9 @@ def lounge_alone() -> None:
 
 def rough_floor() -> None:
     two_rooms(0.22)
-    inputs = principled_node(bpy.data.materials["Tiles"]).inputs
-    inputs["IOR"].default_value = 2.5
+    for name in ("Lounge Mirror", "Study Mirror"):
+        bpy.data.objects.remove(bpy.data.objects[name])  # no probe shows what a mirror shows
+    principled_node(bpy.data.materials["Tiles"]).inputs["IOR"].default_value = 2.5
 
 
 def sharp_picture() -> None:
@@ -171,7 +173,7 @@ def flat_panes() -> None:
 
 def moving_room() -> None:
     """The moving room as it is at last; saved, as sequences need files."""
-    moving.build(Path(mkdtemp(dir=bpy.app.tempdir)))
+    moving.build(Path(mkdtemp(dir=_FILES.name)))
     bpy.context.scene.frame_set(20)
 
 

@@ -101,7 +101,8 @@ SYSTEMS = (
         "captures without reflections, with lamps",
         "lamps",
         "scenes.py",
-        "The panels on the ceiling are seen in the polished floor, as reflection rays see them.",
+        "The panels on the ceiling are seen in the polished floor, as reflection rays see them. What stands "
+        "in the room is shown as if it were painted on the walls.",
         gallery,
         ("Wall -Z",),
         "captured without lamps",
