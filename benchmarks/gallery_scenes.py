@@ -124,6 +124,17 @@ def sharp_picture() -> None:
     principled_node(bpy.data.materials["Tiles"]).inputs["Roughness"].default_value = 0.0
 
 
+def hardening_floor() -> None:
+    """Rough, so that walls are sharp at their foot and blurred farther up."""
+    mirror_floor()
+    principled_node(bpy.data.materials["Mirror"]).inputs["Roughness"].default_value = 0.3
+    bpy.data.objects["Room"].pcc_probe.contact_hardening = True
+
+
+def not_hardened() -> None:
+    bpy.data.objects["Room"].pcc_probe.contact_hardening = False
+
+
 def waves() -> None:
     mirror_floor()
     tree = bpy.data.materials["Mirror"].node_tree
@@ -183,11 +194,15 @@ def still_of_the_start() -> None:
     bpy.context.scene.frame_set(20)
 
 
+def captured_from_behind() -> None:
+    """The mirror ball stands between the capture point and the walls that it shows to the camera."""
+    painted_walls()
+    bpy.data.objects["Room"].pcc_probe.capture_offset = (2.4, 1.3, 0.1)
+
+
 def with_itself() -> None:
-    """The ball in all captures, taken from the middle of the room."""
-    ball, room = (bpy.data.objects[name].pcc_probe for name in moving.PROBES)
-    ball.follow = room.hidden_collection = None
-    bpy.ops.pcc.bake(scope="ALL", frames="still")
+    bpy.data.objects["Room"].pcc_probe.hidden_objects.clear()
+    bpy.ops.pcc.bake(scope="ALL")
 
 
 @contextmanager

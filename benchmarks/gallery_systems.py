@@ -146,6 +146,16 @@ SYSTEMS = (
         scenes.sharp_picture,
     ),
     System(
+        "contact hardening",
+        "contact_hardening",
+        "scenes.py",
+        "A floor of roughness 0.3: walls are sharp at their foot and blurred farther up.",
+        scenes.hardening_floor,
+        ("Wall -Z",),
+        "without hardening",
+        scenes.not_hardened,
+    ),
+    System(
         "perturbed normals",
         "normals",
         "scenes.py",
@@ -207,13 +217,13 @@ SYSTEMS = (
     System(
         "no self image: hidden and followed objects",
         "no_self_image",
-        "moving.py",
-        "The ball's probe follows the ball, and the floor's leaves it out.",
-        scenes.moving_room,
-        ("Ball", "Wall -Z"),
-        "the ball in the captures",
+        "any_cubemap.py",
+        "The ball stands before the capture point and is hidden from it; otherwise it would reflect itself, black as "
+        "metals are in captures.",
+        scenes.captured_from_behind,
+        ("Ball",),
+        "the ball in the capture",
         scenes.with_itself,
-        lambda: bpy.ops.pcc.bake(scope="ALL", frames="still"),
     ),
     System(
         "probes in shaders made by hand",
