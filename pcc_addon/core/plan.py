@@ -287,13 +287,13 @@ def _pictures_read(surface: SurfacePlan, hardening: bool) -> int:
 
 def _plan_probe(
     spec: ProbeSpec,
-    materials: Sequence[MaterialPlan],
+    shown_by: Sequence[MaterialPlan],
     found: Belongings,
     cameras: Sequence[CameraReading],
     reading: ProbeReading,
 ) -> ProbePlan:
-    showing = [material.material for material in materials]
-    shared = [m.material for m in materials if m.division.blends(spec.name)]
+    showing = [material.material for material in shown_by]
+    shared = [m.material for m in shown_by if m.division.blends(spec.name)]
     outside = [name for name in showing if name in found.leaving.get(spec.name, ())]
     touching = [name for name in showing if name in found.touching.get(spec.name, ())]
     watched = bool(touching) and not _all_within(spec, cameras)

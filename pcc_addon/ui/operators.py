@@ -109,26 +109,27 @@ class PCC_OT_bake(bpy.types.Operator):
             return False
         return True
 
-    def _start(self, context: bpy.types.Context) -> bool:
-        frames = parse_frames(self.frames)
-        probes = _probes_in_scope(context, self.scope, frames)
+    def _start(self, context: bpy.types.Context) -> set[str]:
+        """Make the job ready; returns how the operator has ended already, if it has."""
+        try:
+            frames = parse_frames(self.frames)
+            probes = _probes_in_scope(context, self.scope, frames)
+        except PccError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         if not probes:
             self.report({"INFO"}, _NOTHING_TO_BAKE[self.scope])
-            return False
+            return {"FINISHED"}
         folder = bake_folder(context.scene)
         if folder is None:
             self.report({"INFO"}, "The file is not saved yet: pictures are packed into it")
         reuse = self.scope == "STALE"
         self._job = BakeJob(context.scene, context.view_layer, probes, folder, frames, reuse)
-        return True
+        return set()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            if not self._start(context):
-                return {"FINISHED"}
-        except PccError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if ended := self._start(context):
+            return ended
         try:
             results = self._job.run()
         except PccError as error:
@@ -139,12 +140,8 @@ class PCC_OT_bake(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
-        try:
-            if not self._start(context):
-                return {"FINISHED"}
-        except PccError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if ended := self._start(context):
+            return ended
         manager = context.window_manager
         self._timer = manager.event_timer_add(0.01, window=context.window)
         manager.progress_begin(0.0, 1.0)

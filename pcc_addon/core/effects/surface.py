@@ -112,8 +112,7 @@ def surface(effects: SurfaceEffects) -> dict[str, Expr]:
 
     Returns:
         "Reflection": the radiance that the specular lobe, and what passes, sends to the eye; where a base is left,
-        "Diffuse Color": the
-        base colour for a BSDF without specular and metal. Both are linear colours.
+        "Diffuse Color": the base colour for a BSDF without specular and metal. Both are linear colours.
     """
     # At 0 and below the critical angle Fresnel's terms are 0/0.
     cosine = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))
