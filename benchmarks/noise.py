@@ -125,8 +125,10 @@ def _own_lobe_mixes() -> Iterator[tuple[bpy.types.ShaderNodeTree, bpy.types.Node
     """The Mix Shaders by which twins give diffuse rays the surface's own lobe, with their trees."""
     for material in bpy.data.materials:
         for node in material.node_tree.nodes:
-            if node.bl_idname == "ShaderNodeMixShader" and marks.role(node) == "glow":
-                yield material.node_tree, node
+            if node.bl_idname == "ShaderNodeMixShader" and marks.role(node):
+                own = node.inputs[2].links[0].from_node
+                if not marks.role(own):
+                    yield material.node_tree, node
 
 
 def rough_for_diffuse_rays() -> None:

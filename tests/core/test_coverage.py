@@ -83,18 +83,28 @@ def test_what_shows_its_own_picture_outside_fades_by_depth_where_it_is_over_othe
     np.testing.assert_allclose(shares[:, 1], [1.0, 0.5, 0.0], atol=1e-6)
 
 
-def test_diffuse_rays_meet_the_own_lobe_only() -> None:
-    found = evaluate(choice.own_share(None).outputs, {"Coverage": np.array([0.0, 0.3, 1.0]), "Diffuse Ray": 1.0})
+@pytest.mark.parametrize("depth", [1.0, 2.0, 7.0])
+@pytest.mark.parametrize("captured", [0.0, 1.0])
+def test_paths_that_left_a_diffuse_surface_meet_the_own_lobe_only(depth: float, captured: float) -> None:
+    inputs = {"Coverage": np.array([0.0, 0.3, 1.0]), "Diffuse Depth": depth, "Captured": captured}
+    found = evaluate(choice.own_share(None).outputs, inputs)
     np.testing.assert_array_equal(found["Share"], 1.0)
+    np.testing.assert_array_equal(found["Covered"], 0.0)
+
+
+@pytest.mark.parametrize("limit", [None, 0.0, 0.6])
+def test_captures_see_nothing_of_the_own_lobe(limit: float | None) -> None:
+    inputs = {"Coverage": np.array([0.0, 0.3, 1.0]), "Diffuse Depth": 0.0, "Captured": 1.0, "Roughness": 0.7}
+    np.testing.assert_array_equal(evaluate(choice.own_share(limit).outputs, inputs)["Share"], 0.0)
 
 
 def test_what_grows_too_rough_is_handed_over_without_a_step() -> None:
     roughness = np.linspace(0.0, 1.0, 1001)
-    inputs = {"Coverage": 1.0, "Diffuse Ray": 0.0, "Roughness": roughness}
+    inputs = {"Coverage": 1.0, "Diffuse Depth": 0.0, "Captured": 0.0, "Roughness": roughness}
     share = evaluate(choice.own_share(0.6).outputs, inputs)["Share"]
     assert not share[roughness <= 0.54].any() and (share[roughness >= 0.6] == 1.0).all()
     assert np.abs(np.diff(share)).max() < 0.02
-    only_mirrors = evaluate(choice.own_share(0.0).outputs, {"Coverage": 1.0, "Diffuse Ray": 0.0})["Share"]
+    only_mirrors = evaluate(choice.own_share(0.0).outputs, {**inputs, "Roughness": 0.0})["Share"]
     assert only_mirrors == 1.0
 
 

@@ -56,6 +56,7 @@ def light(
     tint: tuple = WHITE,
     dtype: type = np.float64,
     ior: float = 1.5,
+    captured: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Reflectance (n, 3) and the colour left for the diffuse part (n, 3), by the cosine of the view."""
     sine = np.sqrt(np.maximum(1.0 - cosines**2, 0.0))
@@ -63,6 +64,7 @@ def light(
         "Radiance": np.ones(3),
         "Base Color": np.array(base),
         "Metallic": metallic,
+        "Captured": captured,
         "Roughness": case.roughness,
         "Specular IOR Level": level,
         "IOR": ior,

@@ -127,6 +127,7 @@ def test_a_surface_reflects_what_numpy_says(driver: None) -> None:
         "Radiance": rng.random((count, 3)),
         "Base Color": rng.random((count, 3)),
         "Metallic": rng.random(count),
+        "Captured": rng.random(count),
         "Roughness": rng.random(count) * 0.6,
         "Specular IOR Level": rng.random(count),
         "Specular Tint": rng.random((count, 3)),

@@ -310,13 +310,16 @@ class BakeJob:
 def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:
     """Switch off injected reflections, and the specular lobes of materials that will show a probe.
 
-    What a lobe sends to the capture point depends on where one stands, so it is no part of the picture.
+    What a lobe sends to the capture point depends on where one stands, so it is no part of the picture; metals are seen
+    matt in their colour. Diffuse surfaces get the light of the lobes as ever.
     """
     stack.callback(groups.drop_unused_groups)
     by_hand.hide(stack)
     for material in bpy.data.materials:
         for node in twin.reflection_nodes(material):
             override(stack, node, "mute", True)
+        for socket in twin.capture_inputs(material):
+            override(stack, socket, "default_value", 1.0)
     materials = {material.name_full: material for material in bpy.data.materials}
     for material_plan in plan.materials:
         material = materials[material_plan.material]

@@ -22,7 +22,9 @@ from . import groups
 from .sketch import Sketch, forget_value
 from .twin_order import ShownProbe
 
-PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for later
+PROBE, GLOW, CAPTURED = "probe", "glow", "captured"
+"""Roles of a twin's nodes that are looked for later: its probes; what emits their reflection and is muted in captures;
+what is told by an input "Captured" that there is one."""
 _FROM_THE_PROBE = frozenset(
     {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight"}
 )  # not copied into the diffuse part
@@ -40,29 +42,48 @@ class SurfaceBuilder:
         self._distances: dict[tuple[bpy.types.NodeSocket, ...], bpy.types.NodeSocket] = {}
 
     def build(self) -> bpy.types.NodeSocket:
-        """The shader's output; without probes the diffuse part alone, as captures need it."""
-        lit = self._lit(0)
-        base = self._base(lit) if self.plan.effects.leaves_base else None
+        """The shader's output; without probes what captures see of the surface, as they need it."""
         if not self.probes:
-            return base or self._nothing()
+            return self._mix(1080.0, 0, self._diffuse_depth(), self._captured(), self.node.outputs[0])
+        lit = self._lit(0)
         if self.plan.layered:
             reflection, coverage = self._reflections(lit, self._under_layers)
-            seen = self._mix(680.0, 0, 1.0, base, reflection)
-            marks.tag(seen.node, GLOW)
+            seen = self._instead(self._base(lit), reflection)
+        elif self.plan.effects.leaves_base:
+            base = self._base(lit)
+            seen, coverage = self._reflections(lit, self._glow)
+            total = self._new("ShaderNodeAddShader", right=680.0)
+            self.sketch.link(base, total.inputs[0])
+            self.sketch.link(seen, total.inputs[1])
+            seen = total.outputs[0]
         else:
             seen, coverage = self._reflections(lit, self._glow)
-            if base is not None:
-                total = self._new("ShaderNodeAddShader", right=680.0)
-                self.sketch.link(base, total.inputs[0])
-                self.sketch.link(seen, total.inputs[1])
-                seen = total.outputs[0]
+            if not self.plan.captured_whole:
+                seen = self._instead(self._matt(), seen)
         return self._over_own_lobe(seen, coverage)
 
-    def _nothing(self) -> bpy.types.NodeSocket:
-        """A shader that is black."""
-        black = self._new("ShaderNodeEmission")
-        black.inputs["Strength"].default_value = 0.0
-        return black.outputs[0]
+    def _captured(self) -> bpy.types.NodeSocket:
+        """What captures see of a surface: its diffuse part, and matt in its colour what has none."""
+        if not self.plan.effects.leaves_base:
+            return self._matt()
+        lit = self._lit(0)
+        if "Captured" in lit.inputs:
+            lit.inputs["Captured"].default_value = 1.0
+        return self._base(lit)
+
+    def _instead(self, captured: bpy.types.NodeSocket, seen: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """A shader, in place of which captures see another."""
+        mixed = self._mix(680.0, 0, 1.0, captured, seen)
+        marks.tag(mixed.node, GLOW)
+        return mixed
+
+    def _matt(self) -> bpy.types.NodeSocket:
+        """What captures see of a surface that is nothing but a lobe: its colour, matt."""
+        matt = self._new("ShaderNodeBsdfDiffuse")
+        own = self.node.inputs["Color" if "Color" in self.node.inputs else "Base Color"]
+        self.sketch.repeat(own, matt.inputs["Color"])
+        self.sketch.link(self._normal(), matt.inputs["Normal"])
+        return matt.outputs[0]
 
     def _base(self, lit: bpy.types.Node, *, layers: bool = False) -> bpy.types.NodeSocket:
         """The shader of what a Principled surface has beside its lobe; without coat, which shows in no capture."""
@@ -115,25 +136,30 @@ class SurfaceBuilder:
         return mix.outputs[0]
 
     def _over_own_lobe(self, seen: bpy.types.NodeSocket, coverage: bpy.types.NodeSocket | None) -> bpy.types.NodeSocket:
-        """The probes' reflection where they cover the surface, the original elsewhere and for diffuse rays.
+        """The probes' reflection where they cover the surface, the original elsewhere and behind diffuse surfaces.
 
-        A path from a diffuse wall that finds a lamp's picture by chance is a firefly; with the original it is the
-        caustic that the renderer filters and clamps as ever. Walls then are lit as without the probe.
+        A path from a diffuse wall that finds a lamp's picture by chance is a firefly, over other mirrors too; with the
+        original it is the caustic that the renderer filters and clamps as ever. Walls then are lit as without the
+        probe.
         """
         limit, own, whole = self.plan.handed_over, self.node.outputs[0], self.plan.captured_whole
-        path = self._new("ShaderNodeLightPath", right=680.0, row=0.625)
-        share = path.outputs["Is Diffuse Ray"]
+        share = self._diffuse_depth()
         if coverage is not None or limit is not None or whole:
-            given = {"Diffuse Ray": share, "Coverage": 1.0 if coverage is None else coverage}
+            given = {"Diffuse Depth": share, "Coverage": 1.0 if coverage is None else coverage}
             shares = self._call(choice.own_share(limit), 880.0, 0, given)
+            marks.tag(shares, CAPTURED)
             if limit is not None:
                 self.sketch.repeat(self.node.inputs["Roughness"], shares.inputs["Roughness"])
             share = shares.outputs["Covered" if whole else "Share"]
-        # Captures mute what is mixed, so that the first of the two is left.
-        first, second = (own, seen) if whole else (seen, own)
-        mixed = self._mix(1080.0, 0, share, first, second)
+        if not whole:
+            return self._mix(1080.0, 0, share, seen, own)
+        mixed = self._mix(1080.0, 0, share, own, seen)
         marks.tag(mixed.node, GLOW)
         return mixed
+
+    def _diffuse_depth(self) -> bpy.types.NodeSocket:
+        """How many diffuse surfaces the path to the surface has left; a Mix Shader takes more than one for one."""
+        return self._new("ShaderNodeLightPath", right=680.0, row=0.625).outputs["Diffuse Depth"]
 
     def _lit(self, row: int) -> bpy.types.Node:
         """The group node that makes what reaches the eye of the radiance along each ray."""
@@ -142,7 +168,9 @@ class SurfaceBuilder:
         lit.label = "Reflectance"
         radiances = {ray.radiance for ray in self.plan.effects.rays}
         for socket in lit.inputs:
-            if socket.name in {"Normal", "Incoming", "Backfacing"}:
+            if socket.name == "Captured":
+                marks.tag(lit, CAPTURED)
+            elif socket.name in {"Normal", "Incoming", "Backfacing"}:
                 self.sketch.link(self._of_the_surface(socket.name), socket)
             elif socket.name not in radiances:
                 self.sketch.repeat(self.node.inputs[socket.name], socket)

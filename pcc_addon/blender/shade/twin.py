@@ -13,7 +13,7 @@ import bpy
 
 from .. import marks
 from ..read.nodes import Scope, outputs, own_outputs, source
-from .surface_builder import GLOW, PROBE
+from .surface_builder import CAPTURED, GLOW, PROBE
 from .twin_builder import TwinBuilder
 from .twin_order import TwinOrder
 
@@ -110,8 +110,13 @@ def _has_hole(node: bpy.types.Node) -> bool:
 
 
 def reflection_nodes(material: bpy.types.Material) -> list[bpy.types.Node]:
-    """The nodes of a material's twins that emit the reflection; muted, they leave the diffuse part."""
+    """The nodes of a material's twins that emit the reflection; muted, they leave what captures see."""
     return _nodes_with_role(material.node_tree, GLOW)
+
+
+def capture_inputs(material: bpy.types.Material) -> list[bpy.types.NodeSocket]:
+    """The inputs of a material's twins that are to be 1 while probes are captured."""
+    return [node.inputs["Captured"] for node in _nodes_with_role(material.node_tree, CAPTURED)]
 
 
 def _nodes_with_role(tree: bpy.types.ShaderNodeTree | None, wanted: str) -> list[bpy.types.Node]:

@@ -18,7 +18,7 @@ from functools import cache
 
 from ..expression import Expr, Formula, clamp, lift, maximum, minimum, scalar
 from .lookup import faded
-from .shading import ROUGHNESS
+from .shading import CAPTURED, ROUGHNESS
 
 DEPTH = scalar("Depth")  # metres of the point below the nearest wall of this probe's box; negative outside
 WEIGHT = scalar("Weight")  # of this probe where it is the only one, 0 … 1
@@ -26,7 +26,7 @@ DISTANCE = scalar("Distance")  # metres of the point outside the nearest of the 
 OTHER = scalar("Other Distance")
 COVERAGE = scalar("Coverage")  # how much of the point the probes before this one have together, 0 … 1
 FADE = scalar("Fade")  # metres over which this probe fades, above 0
-DIFFUSE_RAY = scalar("Diffuse Ray")  # 1 for rays that left a diffuse surface, else 0
+DIFFUSE_DEPTH = scalar("Diffuse Depth")  # how many diffuse surfaces the path to here has left
 _HANDOVER = 0.2  # of the fade
 
 OUTSIDE = Formula("Outside", {"Distance": maximum(DEPTH * -1.0, 0.0)})
@@ -77,20 +77,20 @@ def steepness(fade: float) -> float:
 
 @cache
 def own_share(roughness_limit: float | None) -> Formula:
-    """How much of a surface keeps its own lobe, "Share": all for diffuse rays, else what no probe covers.
+    """How much of a surface keeps its own lobe, "Share": all on paths that left a diffuse surface, else what no probe
+    covers, and nothing in captures.
 
     The rest is "Covered".
 
     Args:
         roughness_limit: where the roughness varies, that from which on a surface is left to its own lobe.
     """
-    covered: Expr = COVERAGE * (1.0 - DIFFUSE_RAY)
-    if roughness_limit is None:
-        return Formula("Own Lobe", {"Share": 1.0 - covered, "Covered": covered})
-    width = _FADE_OF_ROUGHNESS * roughness_limit
-    smooth = clamp((lift(roughness_limit) - ROUGHNESS) * (1.0 / width)) if width > 0.0 else lift(0.0)
-    covered = covered * smooth
-    title = f"Own Lobe, rougher than {roughness_limit:.6g}"
+    covered, title = COVERAGE, "Own Lobe"
+    if roughness_limit is not None:
+        width = _FADE_OF_ROUGHNESS * roughness_limit
+        smooth = clamp((lift(roughness_limit) - ROUGHNESS) * (1.0 / width)) if width > 0.0 else lift(0.0)
+        covered, title = covered * smooth, f"{title}, rougher than {roughness_limit:.6g}"
+    covered = maximum(covered, CAPTURED) * clamp(1.0 - DIFFUSE_DEPTH)
     return Formula(title, {"Share": 1.0 - covered, "Covered": covered})
 
 

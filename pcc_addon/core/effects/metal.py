@@ -8,7 +8,7 @@ from ..expression import Expr, clamp, minimum, mix
 from ..readings import SurfaceReading
 from .fresnel import METAL, Facets, dip, schlick
 from .multiscatter import with_returned_energy
-from .shading import BASE_COLOR, EDGE_TINT, METALLIC, SPECULAR_TINT, Shading
+from .shading import BASE_COLOR, CAPTURED, EDGE_TINT, METALLIC, SPECULAR_TINT, Shading
 
 _F82_COSINE = 1.0 / 7.0
 _LEAST_F0 = 0.02  # of a metal that is worth a reflection
@@ -43,7 +43,7 @@ class TintedMetal:
 
 @dataclass(frozen=True)
 class Metal:
-    """A metallic lobe, mixed by Metallic over what there is.
+    """A metallic lobe, mixed by Metallic over what there is; captures see a matt base of its colour instead.
 
     Attributes:
         tinted: whether the specular tint is not white all over.
@@ -73,7 +73,8 @@ class Metal:
         metal = metallic_reflectance(shading, SPECULAR_TINT if self.tinted else None)
         mixed = metal * METALLIC if self.pure else mix(shading.reflectance, metal, METALLIC)
         rest = 1.0 - METALLIC
-        return replace(shading, reflectance=mixed, transmittance=shading.transmittance * rest, left=shading.left * rest)
+        left = shading.left * (1.0 - METALLIC * (1.0 - CAPTURED))
+        return replace(shading, reflectance=mixed, transmittance=shading.transmittance * rest, left=left)
 
 
 def metallic_reflectance(shading: Shading, tint: Expr | None) -> Expr:

@@ -18,6 +18,7 @@ SPECULAR_TINT = vector("Specular Tint")
 COLOR = vector("Color")
 EDGE_TINT = vector("Edge Tint")
 TRANSMISSION = scalar("Transmission Weight")
+CAPTURED = scalar("Captured")  # 1 while probes are captured, which then see matt surfaces, else 0
 
 
 @dataclass(frozen=True)
