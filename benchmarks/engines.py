@@ -53,25 +53,18 @@ class Case:
 _EXPLAINED = """## EEVEE
 
 A twin emits the reflection and its base has no specular lobe left, so rays that EEVEE traces find nothing to add; they
-are cast only for what keeps its own lobe. A surface that shows half of a probe therefore is the mean of both. *Is
-Diffuse Ray* is 0 where EEVEE shades what the camera sees. The diffuse base of a dielectric is EEVEE's own and gains
+are cast only for what keeps its own lobe. A surface that shows half of a probe therefore is the mean of both. *Diffuse
+Depth* is 0 where EEVEE shades what the camera sees. The diffuse base of a dielectric is EEVEE's own and gains
 from its ray tracing as it does without a probe; so do the coat, and whatever shows no probe.
 
 What rays off other surfaces find in the picture is the twin's emission: where EEVEE's ray tracing is on, a served
 surface lights the walls around it a little, as it should. The picture of a lamp comes out some per cent weaker than in
 Cycles, with ray tracing and without.
 
-## What is lost before
-
-Where a lamp lights the room, the mean of a metal floor is too low in both engines alike, at the bake and not at the
-lookup: captures see metals black, so the walls in the pictures lack the light that the metal throws on them. A
-dielectric loses little of it, and walls that glow by themselves nothing. Rough metal is too dark there too: part of its
-lobe dips below the floor, which is black in the pictures.
-
 ## Which rays see the probe
 
-In Cycles rays that left a diffuse surface see the surface's own lobe, all others the probe. There is no setting: the
-other choices, the probe for all rays or its roughest level for diffuse ones, are measured in [noise and
+In Cycles paths that left a diffuse surface see the surface's own lobe, all others the probe. There is no setting: the
+other choices, the probe for all rays or its roughest level for those, are measured in [noise and
 fireflies](noise.md), and [decisions](decisions.md) say what follows. To have the probe for all rays in one material,
 use it [by hand](by_hand.md)."""
 _METAL = {"Base_Color": (0.9, 0.9, 0.9, 1.0), "Metallic": 1.0}

@@ -60,7 +60,7 @@ SYSTEMS = (
         "inside_box",
         "scenes.py",
         "A mirror floor: each wall's reflection meets the wall. The thin dark line there is the floor itself, which is "
-        "black in captures as metals are: the picture's outermost texels mix it in.",
+        "matt in captures as metals are: the picture's outermost texels mix it in.",
         scenes.mirror_floor,
         ("Wall -Z",),
     ),
@@ -218,7 +218,7 @@ SYSTEMS = (
         "no self image: hidden and followed objects",
         "no_self_image",
         "any_cubemap.py",
-        "The ball stands before the capture point and is hidden from it; otherwise it would reflect itself, black as "
+        "The ball stands before the capture point and is hidden from it; otherwise it would reflect itself, matt as "
         "metals are in captures.",
         scenes.captured_from_behind,
         ("Ball",),

@@ -27,7 +27,7 @@ from sample_blends.scenes import (
     empty_scene,
     principled,
 )
-from sample_blends.two_rooms import two_rooms
+from sample_blends.two_rooms import of_metal, two_rooms
 
 SAMPLES, SEEDS, MANY = 16, 4, 192
 SIZE = (96, 54)
@@ -85,8 +85,10 @@ def under_the_sky() -> bpy.types.Scene:
 
 
 TWO = {"Tiles", "Lounge Mirror", "Study Mirror"}
+METALS = TWO | {"Steel", "Leather"}
 PLACES = (
     Place("lamps; tiles, roughness 0.04 … 0.16", two_rooms, TWO),
+    Place("lamps; steel furniture, tiles of roughness 0.12", of_metal, METALS),
     Place("glowing walls; mirror", glowing_room, {"Mirror"}),
     Place("smooth sky; metal of roughness 0.1", under_the_sky, {"Mirror"}),
 )
@@ -122,7 +124,7 @@ def measure(scene: bpy.types.Scene, mask: np.ndarray) -> Measured:
 
 
 def _own_lobe_mixes() -> Iterator[tuple[bpy.types.ShaderNodeTree, bpy.types.Node]]:
-    """The Mix Shaders by which twins give diffuse rays the surface's own lobe, with their trees."""
+    """The Mix Shaders by which twins show paths behind diffuse surfaces the own lobe, with their trees."""
     for material in bpy.data.materials:
         for node in material.node_tree.nodes:
             if node.bl_idname == "ShaderNodeMixShader" and marks.role(node):
@@ -131,8 +133,16 @@ def _own_lobe_mixes() -> Iterator[tuple[bpy.types.ShaderNodeTree, bpy.types.Node
                     yield material.node_tree, node
 
 
+def own_lobe_for_diffuse_rays_alone() -> None:
+    """Give the own lobe to rays that left a diffuse surface, and the probe to what they meet by way of a mirror."""
+    for tree, _ in _own_lobe_mixes():
+        for path in [n for n in tree.nodes if n.bl_idname == "ShaderNodeLightPath" and marks.role(n)]:
+            for link in list(path.outputs["Diffuse Depth"].links):
+                tree.links.new(path.outputs["Is Diffuse Ray"], link.to_socket)
+
+
 def rough_for_diffuse_rays() -> None:
-    """Give diffuse rays the twin itself in place of the own lobe, its probes at their roughest level."""
+    """Show the twin itself behind diffuse surfaces in place of the own lobe, its probes at their roughest level."""
     for tree, mix in _own_lobe_mixes():
         mix.mute = True
         path = tree.nodes.new("ShaderNodeLightPath")
@@ -148,14 +158,14 @@ def rough_for_diffuse_rays() -> None:
                     choice = tree.nodes.new("ShaderNodeMix")
                     choice.data_type = "RGBA"
                     wanted = link.to_socket
-                    tree.links.new(path.outputs["Is Diffuse Ray"], choice.inputs[0])
+                    tree.links.new(path.outputs["Diffuse Depth"], choice.inputs[0])
                     tree.links.new(output, choice.inputs[6])
                     tree.links.new(rough.outputs["Radiance"], choice.inputs[7])
                     tree.links.new(choice.outputs[2], wanted)
 
 
 def probe_for_diffuse_rays() -> None:
-    """Give diffuse rays what all others see."""
+    """Show behind diffuse surfaces what all others see."""
     for _, mix in _own_lobe_mixes():
         mix.mute = True
 
@@ -175,6 +185,8 @@ def main() -> None:
         bpy.ops.pcc.inject()
         found = {"own lobe (as injected)": measure(scene, mask)}
         with handlers.paused():  # or they would restore the twins
+            own_lobe_for_diffuse_rays_alone()
+            found["own lobe, but the probe by way of mirrors"] = measure(scene, mask)
             probe_for_diffuse_rays()
             found["the probe"] = measure(scene, mask)
             rough_for_diffuse_rays()
@@ -186,7 +198,7 @@ def main() -> None:
             print(rows[-1], file=sys.stderr, flush=True)
     head = [
         "light; floor",
-        "what diffuse rays see",
+        "what is seen behind diffuse surfaces",
         "noise elsewhere",
         "on receivers",
         "mean elsewhere",
@@ -194,7 +206,8 @@ def main() -> None:
     ]
     text = (
         "Two furnished rooms with area lamps of 0.5 and 0.7 m (`sample_blends/two_rooms.py`), a shared floor and a "
-        "mirror; a room of glowing walls with a mirror for a floor and white boxes; a courtyard under a smooth sky. "
+        "mirror; the same with steel furniture; a room of glowing walls with a mirror for a floor and white boxes; a "
+        "courtyard under a smooth sky. "
         f"{SAMPLES} samples without denoising, {SEEDS} seeds; means of {MANY} samples, divided by those of path "
         "tracing. Receivers are the surfaces that show probes. Fireflies: of the "
         f"{SIZE[0] * SIZE[1] * SEEDS} pixels those that are more than {BRIGHT:g} times as bright as the median of the "

@@ -55,6 +55,29 @@ def two_rooms(roughness: float | None = None, *, doorway: bool = False) -> bpy.t
     return scene
 
 
+def of_metal() -> bpy.types.Scene:
+    """The rooms with one roughness of floor; the lounge's table and shelves, and a pot on the table, are of steel.
+
+    The seat is of polished leather, and the camera sees all of this and the mirror.
+    """
+    scene = two_rooms(0.12)
+    steel = principled("Steel", Base_Color=(0.8, 0.75, 0.7, 1.0), Metallic=1.0, Roughness=0.25)
+    leather = principled("Leather", Base_Color=(0.5, 0.05, 0.03, 1.0), Roughness=0.15)
+    worn = {"Table": steel, "Leg": steel, "Shelf": steel, "Seat": leather, "Back": leather}
+    for item in scene.objects:
+        room, _, kind = item.name.partition(".")[0].partition(" ")
+        if room == "Lounge" and kind in worn:
+            item.data.materials[0] = worn[kind]
+    place = LOUNGE.world(0.3, 0.6, 0.68 - LOUNGE.half_extents[2])
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.25, segments=64, ring_count=32, location=place)
+    bpy.ops.object.shade_smooth()
+    bpy.context.object.name = "Lounge Pot"
+    bpy.context.object.data.materials.append(steel)
+    bpy.data.objects.remove(scene.camera)
+    add_camera(LOUNGE.world(-1.9, -1.6, 0.5), LOUNGE.world(2.4, 0.5, -0.35), 20.0, 480, 270)
+    return scene
+
+
 def _matt(name: str, color: tuple[float, float, float]) -> bpy.types.Material:
     return principled(name, Base_Color=(*color, 1.0), Roughness=0.9, Specular_IOR_Level=0.0)
 

@@ -14,6 +14,7 @@ from pcc_addon.blender.shade import live
 from pcc_addon.blender.shade.injection import remove
 from pcc_addon.blender.shade.twin import (
     add_twins,
+    capture_inputs,
     has_twins,
     is_torn,
     reflection_nodes,
@@ -34,6 +35,7 @@ from tests.blender.materials import (
     half_see_through,
     image_texture,
     link,
+    metallic,
     normal_mapped,
     see_through,
     shiny,
@@ -75,12 +77,12 @@ def seen(material: Material) -> bpy.types.Node:
     return fed(output, "Surface")[0]
 
 
-def test_a_twin_shows_what_is_left_and_the_reflection_but_to_diffuse_rays_the_original(probe) -> None:
+def test_a_twin_shows_what_is_left_and_the_reflection_but_behind_diffuse_surfaces_the_original(probe) -> None:
     material = injected(rough())
     original, top = principled_node(material), seen(material)
     assert top.bl_idname == "ShaderNodeMixShader"
     path, share = fed(top, 0)
-    assert (path.bl_idname, share) == ("ShaderNodeLightPath", "Is Diffuse Ray")
+    assert (path.bl_idname, share) == ("ShaderNodeLightPath", "Diffuse Depth")
     assert fed(top, 2)[0] == original
     both = fed(top, 1)[0]
     assert both.bl_idname == "ShaderNodeAddShader"
@@ -92,7 +94,7 @@ def test_a_twin_shows_what_is_left_and_the_reflection_but_to_diffuse_rays_the_or
     assert base.inputs["Roughness"].default_value == pytest.approx(0.3)
     assert base.inputs["IOR"].default_value == original.inputs["IOR"].default_value
     assert lit.inputs["Roughness"].default_value == pytest.approx(0.3)
-    assert set(reflection_nodes(material)) == {top, glow}
+    assert reflection_nodes(material) == [glow]
 
 
 def test_the_reflection_is_of_the_radiance_between_two_levels_of_the_probe(probe) -> None:
@@ -197,7 +199,8 @@ def test_where_the_roughness_varies_rough_places_keep_their_own_lobe(probe) -> N
     assert fed(seen(material), 0) == (own, "Share")
     assert own.inputs["Coverage"].default_value == 1.0 and not own.inputs["Coverage"].is_linked
     assert fed(own, "Roughness")[0].bl_idname == "ShaderNodeTexImage"
-    assert fed(own, "Diffuse Ray")[1] == "Is Diffuse Ray"
+    assert fed(own, "Diffuse Depth")[1] == "Diffuse Depth"
+    assert capture_inputs(material) == [own.inputs["Captured"]] and own.inputs["Captured"].default_value == 0.0
     assert "0.6" in own.node_tree.name
 
 
@@ -261,7 +264,12 @@ def test_layers_dim_a_reflection_that_the_whole_surface_emits(probe) -> None:
 def test_a_lobe_without_base_is_the_reflection_alone(probe) -> None:
     material = injected(glossy())
     top = seen(material)
-    assert fed(top, 1)[0].bl_idname == "ShaderNodeEmission" and fed(top, 2)[0].bl_idname == "ShaderNodeBsdfAnisotropic"
+    assert fed(top, 2)[0].bl_idname == "ShaderNodeBsdfAnisotropic"
+    shown = fed(top, 1)[0]
+    assert shown.bl_idname == "ShaderNodeMixShader" and shown.inputs[0].default_value == 1.0
+    captured, glow = fed(shown, 1)[0], fed(shown, 2)[0]
+    assert (captured.bl_idname, glow.bl_idname) == ("ShaderNodeBsdfDiffuse", "ShaderNodeEmission")
+    assert set(reflection_nodes(material)) == {shown, glow}, "muted, the matt surface is left"
     assert not ours(material, "ShaderNodeAddShader")
 
 
@@ -298,16 +306,21 @@ def test_a_choice_of_a_later_blender_is_left_to_this_one(probe) -> None:
     assert node.subsurface_method == ""
 
 
-@pytest.mark.parametrize("build", [shiny, glossy])
-def test_without_probes_a_twin_is_what_is_left_beside_the_lobe(scene, build: Callable[[], Material]) -> None:
+@pytest.mark.parametrize("build", [shiny, metallic, glossy])
+def test_without_probes_a_twin_is_what_captures_see(scene, build: Callable[[], Material]) -> None:
     material = build()
     plans = plan_surfaces(read_material(material), 0.6)
     add_twins(material, TwinOrder((), {plan.path: plan for plan in plans}))
     top = seen(material)
-    if build is shiny:
-        assert top.bl_idname == "ShaderNodeBsdfPrincipled" and fed(top, "Base Color")[1] == "Diffuse Color"
+    assert fed(top, 0)[1] == "Diffuse Depth" and not marks.role(fed(top, 2)[0]), "walls get the lobe's light"
+    captured = fed(top, 1)[0]
+    if build is glossy:
+        assert captured.bl_idname == "ShaderNodeBsdfDiffuse"
     else:
-        assert top.bl_idname == "ShaderNodeEmission" and top.inputs["Strength"].default_value == 0.0
+        assert captured.bl_idname == "ShaderNodeBsdfPrincipled" and fed(captured, "Base Color")[1] == "Diffuse Color"
+    [lit] = called(material, "Reflectance") or [None]
+    assert (lit is not None and "Captured" in lit.inputs) == (build is metallic)
+    assert build is not metallic or lit.inputs["Captured"].default_value == 1.0
     assert not shown_probe_groups(material) and has_twins(material)
     assert material.cycles.emission_sampling != "NONE", "nothing glows"
 
@@ -357,7 +370,7 @@ def test_groups_are_copied_for_the_material_and_go_with_its_twins(probe) -> None
     outer = next(n for n in ours(material, "ShaderNodeGroup") if n.node_tree == copies[f"PCC Outer, {material.name}"])
     assert outer.inputs["Roughness"].default_value == 0.25
     assert not any(marks.role(n) for n in bpy.data.node_groups["Inner"].nodes)
-    assert len(reflection_nodes(material)) == 2 and not is_torn(material)
+    assert len(reflection_nodes(material)) == 1 and not is_torn(material)
     bpy.data.node_groups.remove(lit.node_tree)
     assert is_torn(material)
     assert remove() == [material.name]

@@ -95,7 +95,9 @@ def parts_of(
         step = evaluate((choice.BESIDE if beside else choice.OVER).outputs, inputs, dtype)
         covered = step["Coverage"]
         parts = [part * (1.0 - step["Share"]) for part in parts] + [step["Share"]]
-    own = evaluate(choice.own_share(None).outputs, {"Coverage": covered, "Diffuse Depth": 0.0, "Captured": 0.0}, dtype)["Share"]
+    own = evaluate(choice.own_share(None).outputs, {"Coverage": covered, "Diffuse Depth": 0.0, "Captured": 0.0}, dtype)[
+        "Share"
+    ]
     return np.stack(parts, -1) * np.asarray(covered)[:, None], np.broadcast_to(own, len(depths))
 
 

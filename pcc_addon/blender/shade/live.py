@@ -17,8 +17,9 @@ from .. import marks
 from ..read.fingerprint import node_lines
 from ..read.materials import read_material
 from ..read.probes import probe_spec
-from . import by_hand, copies, groups, probe_group
+from . import by_hand, copies, probe_group
 from .animation import repeat_animation
+from .groups import VERSION
 from .probe_group import probe_of, shown_probe
 from .sketch import OF, VALUES, repeat_value
 from .twin import add_twins, has_twins, is_torn, remove_twins, shown_probe_groups
@@ -67,7 +68,7 @@ def copy_values(tree: bpy.types.ShaderNodeTree) -> None:
 
 def _signature(material: bpy.types.Material, order: TwinOrder) -> str:
     """A text that changes when the twins of a material must be built anew; values alone do not change it."""
-    lines = [f"{groups.VERSION}", *node_lines(material.node_tree, values=False)]
+    lines = [f"{VERSION}", *node_lines(material.node_tree, values=False)]
     lines += [
         f"{shown.group.name_full} {shown.rungs} {shown.fade} {shown.outputs} {shown.beside}" for shown in order.probes
     ]

@@ -13,6 +13,7 @@ import bpy
 from ...core.effects import choice
 from ...core.effects.normal import VALID_NORMAL
 from ...core.effects.roughness import level_name, mixed_formula
+from ...core.effects.shading import MATT
 from ...core.effects.surface import Ray
 from ...core.expression import Formula
 from ...core.plan import SurfacePlan
@@ -80,8 +81,11 @@ class SurfaceBuilder:
     def _matt(self) -> bpy.types.NodeSocket:
         """What captures see of a surface that is nothing but a lobe: its colour, matt."""
         matt = self._new("ShaderNodeBsdfDiffuse")
-        own = self.node.inputs["Color" if "Color" in self.node.inputs else "Base Color"]
-        self.sketch.repeat(own, matt.inputs["Color"])
+        dim = self._new("ShaderNodeVectorMath", right=-240.0, row=0.625)
+        dim.operation = "SCALE"
+        self.sketch.repeat(self.node.inputs["Color" if "Color" in self.node.inputs else "Base Color"], dim.inputs[0])
+        dim.inputs["Scale"].default_value = MATT
+        self.sketch.link(dim.outputs[0], matt.inputs["Color"])
         self.sketch.link(self._normal(), matt.inputs["Normal"])
         return matt.outputs[0]
 

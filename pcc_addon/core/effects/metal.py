@@ -8,7 +8,7 @@ from ..expression import Expr, clamp, minimum, mix
 from ..readings import SurfaceReading
 from .fresnel import METAL, Facets, dip, schlick
 from .multiscatter import with_returned_energy
-from .shading import BASE_COLOR, CAPTURED, EDGE_TINT, METALLIC, SPECULAR_TINT, Shading
+from .shading import BASE_COLOR, CAPTURED, EDGE_TINT, MATT, METALLIC, SPECULAR_TINT, Shading
 
 _F82_COSINE = 1.0 / 7.0
 _LEAST_F0 = 0.02  # of a metal that is worth a reflection
@@ -73,7 +73,7 @@ class Metal:
         metal = metallic_reflectance(shading, SPECULAR_TINT if self.tinted else None)
         mixed = metal * METALLIC if self.pure else mix(shading.reflectance, metal, METALLIC)
         rest = 1.0 - METALLIC
-        left = shading.left * (1.0 - METALLIC * (1.0 - CAPTURED))
+        left = shading.left * (1.0 - METALLIC * (1.0 - CAPTURED * MATT))
         return replace(shading, reflectance=mixed, transmittance=shading.transmittance * rest, left=left)
 
 

@@ -18,7 +18,10 @@ SPECULAR_TINT = vector("Specular Tint")
 COLOR = vector("Color")
 EDGE_TINT = vector("Edge Tint")
 TRANSMISSION = scalar("Transmission Weight")
-CAPTURED = scalar("Captured")  # 1 while probes are captured, which then see matt surfaces, else 0
+CAPTURED = scalar("Captured")  # 1 while probes are captured, else 0
+
+MATT = 0.5
+"""Albedo, over its colour, of the matt surface that captures see where there is a metal."""
 
 
 @dataclass(frozen=True)
