@@ -8,6 +8,7 @@ from contextlib import ExitStack
 import bpy
 
 from ..core.probe import Engine
+from . import marks
 from .overrides import override
 
 EEVEE_ID = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT"
@@ -64,6 +65,20 @@ def detach_compositor(stack: ExitStack, scene: bpy.types.Scene) -> None:
     """
     if bpy.app.version >= (5, 0):
         override(stack, scene, "compositing_node_group", None)
+
+
+def use_all_inputs(stack: ExitStack, tree: bpy.types.NodeTree) -> None:
+    """Let the user's Principled BSDFs in a tree use all their inputs until `stack` closes.
+
+    From 5.2 on whatever comes to a tree or leaves it changes a Principled BSDF whose kind of subsurface scattering
+    leaves an input unused; where that BSDF feeds an output, all trees of the file are asked whether they use this one.
+    """
+    if bpy.app.version < (5, 2):
+        return
+    for node in tree.nodes:
+        known = node.bl_idname == "ShaderNodeBsdfPrincipled" and node.subsurface_method  # "": one of a later Blender
+        if known and not marks.role(node):
+            override(stack, node, "subsurface_method", "RANDOM_WALK_SKIN")
 
 
 def uses_nodes(material: bpy.types.Material) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from mathutils import Euler, Vector
 
 from ..core.errors import BakeError, ProbeError
+from .read.holders import Holders
 from .read.probes import bake_record
 
 _INFINITE = float(np.finfo(np.float32).max)  # an operator's properties turn infinity into this
@@ -46,14 +47,18 @@ def add_probe(
     return probe
 
 
-def ensure_uid(probe: bpy.types.Object) -> str:
-    """The probe's lasting identity; a copy of a probe gets its own, the original keeps its."""
-    settings = probe.pcc_probe
-    empties = (o for o in bpy.data.objects if o.type == "EMPTY" and o != probe)
-    others = {o.pcc_probe.uid: o for o in empties if o.pcc_probe.is_probe}
-    twin = others.get(settings.uid)
-    if not settings.uid or (twin is not None and _baked_as(probe) != probe.name):
+def ensure_uid(probe: bpy.types.Object, holders: Holders | None = None) -> str:
+    """The probe's lasting identity; a copy of a probe gets its own, the original keeps its.
+
+    Args:
+        probe: the probe object.
+        holders: who has which identity, where that was asked before.
+    """
+    settings, holders = probe.pcc_probe, holders or Holders()
+    before = settings.uid
+    if not before or (holders.share_identity(before) and _baked_as(probe) != probe.name):
         settings.uid = uuid.uuid4().hex
+        holders.let_go_identity(before)
     return settings.uid
 
 

@@ -9,6 +9,7 @@ import pytest
 from pcc_addon.blender.bake import capture, job
 from pcc_addon.blender.bake.capture import Stage
 from pcc_addon.blender.bake.job import BakeJob
+from pcc_addon.blender.read.holders import Holders
 from pcc_addon.blender.rendering import Renderer
 from pcc_addon.blender.store import levels
 from pcc_addon.core.errors import BakeError
@@ -276,6 +277,19 @@ def newest() -> int:
     uid = mark.session_uid
     bpy.data.texts.remove(mark)
     return uid
+
+
+@pytest.mark.parametrize("held", [10**9, 0], ids=["stored together", "stored one by one"])
+def test_a_bake_asks_once_who_holds_what(scene, monkeypatch, held) -> None:
+    """Else storing a probe would take the longer the more there are."""
+    probes = [small_room(), small_probe("Second"), small_probe("Third")]
+    monkeypatch.setattr(job, "_HELD_BYTES", held)
+    asked, begin = [], Holders.__init__
+    monkeypatch.setattr(Holders, "__init__", lambda self: (asked.append(self), begin(self))[1])
+    for _ in range(2):
+        asked.clear()
+        assert [result.error for result in bake(*probes)] == [None] * 3
+        assert len(asked) == 1
 
 
 def test_of_captures_stored_together_one_may_fail(scene, monkeypatch) -> None:

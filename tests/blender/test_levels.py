@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pcc_addon.blender.probes import ensure_uid
+from pcc_addon.blender.read.holders import Holders
 from pcc_addon.blender.read.probes import bake_record, probe_spec
 from pcc_addon.blender.store import pictures
 from pcc_addon.blender.store.levels import bake_folder, check_folder, ensure_levels, faulty_picture, store
@@ -72,6 +73,49 @@ def test_a_picture_that_is_replaced_is_replaced_wherever_it_is_shown(scene, fold
     np.testing.assert_array_equal(pictures.read_pixels(node.image), 3.0 * SHARP)
     store(probe, record, {0.0: 3.0 * SHARP}, folder)
     assert len(bpy.data.images) == 1 and bpy.data.images[0].name == "PCC Probe 0.0000"
+
+
+def test_a_picture_whose_file_was_damaged_meanwhile_is_read_anew_where_it_is_shown(scene, tmp_path: Path) -> None:
+    probe = small_probe()
+    stored(probe, tmp_path)
+    image, [path] = probe.pcc_probe.levels[0].image, pictures_of(probe)
+    for damage in (path.unlink, lambda: path.write_bytes(b"torn")):
+        damage()
+        image.reload()
+        assert tuple(image.size) == (0, 0)
+        stored(probe, tmp_path)
+        assert probe.pcc_probe.levels[0].image == image
+        np.testing.assert_array_equal(pictures.read_pixels(image), SHARP)
+
+
+def test_files_become_pictures_that_nobody_manages_the_colours_of(scene, tmp_path: Path) -> None:
+    """Also where they are copies of each other, of which none was read."""
+    probe = small_probe()
+    stored(probe, tmp_path, r3=2.0 * SHARP, r5=3.0 * SHARP)
+    images = [level.image for level in probe.pcc_probe.levels]
+    assert [(image.colorspace_settings.name, image.alpha_mode) for image in images] == [("Non-Color", "NONE")] * 3
+    assert len({image.filepath for image in images}) == 3 and len(bpy.data.images) == 3
+    for image, times in zip(images, (1.0, 2.0, 3.0), strict=True):
+        np.testing.assert_array_equal(pictures.read_pixels(image), np.float32(times) * SHARP)
+
+
+def test_a_picture_that_a_copy_shows_is_its_own_once_the_original_has_others(scene, tmp_path: Path) -> None:
+    probe = small_probe()
+    stored(probe, tmp_path)
+    copy = probe.copy()
+    copy.name = "Copy"
+    scene.collection.objects.link(copy)
+    shared, holders, record = probe.pcc_probe.levels[0].image, Holders(), record_of(probe)
+    assert holders.share(shared) and holders.share_identity(probe.pcc_probe.uid)
+    assert ensure_uid(probe, holders) == record.uid != ensure_uid(copy, holders) == copy.pcc_probe.uid
+    assert not holders.share_identity(record.uid)
+    store(probe, record, {0.0: 2.0 * SHARP}, tmp_path, holders)
+    np.testing.assert_array_equal(picture(copy), SHARP)
+    assert not holders.share(shared)
+    store(copy, replace(record, uid=copy.pcc_probe.uid), {0.0: 3.0 * SHARP}, tmp_path, holders)
+    assert len(bpy.data.images) == 2, "the picture that both showed is gone"
+    np.testing.assert_array_equal(picture(probe), 2.0 * SHARP)
+    np.testing.assert_array_equal(picture(copy), 3.0 * SHARP)
 
 
 def test_levels_that_are_wanted_no_more_are_removed_unless_somebody_shows_them(scene) -> None:

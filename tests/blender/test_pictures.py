@@ -44,12 +44,13 @@ def test_a_picture_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     path = tmp_path / "gone.exr"
     pictures.write_file(path, PICTURE)
     image = pictures.load(path)
+    image.name = "Gone"
     assert pictures.check_pixels("Hall", image) == 4
     path.unlink()
     image.reload()
-    with pytest.raises(BakeError, match=rf"picture 'gone\.exr' \({path}\) cannot be read; bake its probe again"):
+    with pytest.raises(BakeError, match=rf"picture 'Gone' \({path}\) cannot be read; bake its probe again"):
         pictures.read_pixels(image)
-    with pytest.raises(BakeError, match=r"'Hall': its picture 'gone\.exr' is missing or cannot be read; bake it again"):
+    with pytest.raises(BakeError, match=r"'Hall': its picture 'Gone' is missing or cannot be read; bake it again"):
         pictures.check_pixels("Hall", image)
     with pytest.raises(BakeError, match=r"'Hall': its picture 'of a level' is missing"):
         pictures.check_pixels("Hall", None)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
+
 import bpy
 import pytest
 
-from pcc_addon.blender import marks
+from pcc_addon.blender import compat, marks
 from pcc_addon.blender.shade.injection import remove
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import put_in, shown_group
@@ -26,6 +28,39 @@ def test_removing_brings_back_exactly_what_was_there(probe, build) -> None:
     assert difference(before, of_the_user()) == []
     assert remove() == [], "removing twice finds nothing"
     assert difference(before, of_the_user()) == []
+
+
+@pytest.mark.skipif(bpy.app.version < (5, 2), reason="before 5.2 links ask no other tree")
+def test_links_come_and_nodes_go_while_no_input_is_unused(probe, monkeypatch) -> None:
+    """Else Blender asks all trees of the file at each of them."""
+    material, while_it_changes = shiny(), []
+    show(material)
+    node = principled_node(material)
+    use = compat.use_all_inputs
+
+    def unused() -> list[str]:
+        return [socket.name for socket in node.inputs if socket.is_unavailable and socket.name != "Weight"]
+
+    def noted(stack: ExitStack, tree: bpy.types.NodeTree) -> None:
+        use(stack, tree)
+        while_it_changes.append(unused())
+
+    monkeypatch.setattr(compat, "use_all_inputs", noted)
+    assert unused() == ["Subsurface IOR"]
+    put_in()
+    assert while_it_changes == [[]] and unused() == ["Subsurface IOR"]
+    remove()
+    assert while_it_changes == [[], []] and unused() == ["Subsurface IOR"]
+
+
+@pytest.mark.parametrize("method", ["BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN"])
+def test_a_twin_scatters_light_as_its_original(probe, method) -> None:
+    material = shiny()
+    show(material)
+    principled_node(material).subsurface_method = method
+    put_in()
+    kinds = [n.subsurface_method for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled"]
+    assert kinds == [method] * 2
 
 
 def test_the_comparison_sees_an_injection_and_a_lost_link(probe) -> None:

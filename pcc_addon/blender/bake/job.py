@@ -22,6 +22,7 @@ from ..overrides import override
 from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
 from ..read.frames import at_frame, frames_of
+from ..read.holders import Holders
 from ..read.probes import check_own, check_place, probe_spec
 from ..read.scene import missing_textures, read_scene
 from ..shade import by_hand, groups, injection, interior, twin
@@ -177,7 +178,8 @@ class BakeJob:
         # Once all is as it was: what a bake changes in its probes' groups may call for other twins.
         self._stack.callback(handlers.bring_all_up_to_date, self._scene)
         self._stack.enter_context(handlers.paused())
-        sequences = Sequences(self._stack, self._scene, self._view_layer, self._folder, self._reuse)
+        self._holders = Holders()
+        sequences = Sequences(self._stack, self._scene, self._view_layer, self._folder, self._reuse, self._holders)
         if moving:
             self._stack.enter_context(at_frame(self._scene))
             yield from self._told(sequences.read(moving), 0.0, 0.1)
@@ -283,14 +285,14 @@ class BakeJob:
         seconds = capture.seconds
         record = Sidecar.of_bake(
             spec,
-            ensure_uid(probe),
+            ensure_uid(probe, self._holders),
             seconds=round(seconds, 3),
             content_hash=task.content_hash,
             blender=bpy.app.version_string,
             addon=ADDON_VERSION,
             replaced_pixels=tuple(capture.replaced),
         )
-        levels.store(probe, record, pictures, self._folder)
+        levels.store(probe, record, pictures, self._folder, self._holders)
         self._show(probe, task.plan)
         files = self._files(probe)
         self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(capture.replaced), tuple(warnings)))

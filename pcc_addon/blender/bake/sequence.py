@@ -21,6 +21,7 @@ from ...version import ADDON_VERSION
 from ..probes import ensure_uid
 from ..read.fingerprint import SceneFingerprint
 from ..read.frames import visit
+from ..read.holders import Holders
 from ..read.probes import bake_record, check_place, check_seen, probe_spec
 from ..store.sequences import Reel, Shown, check_packing, known_pictures
 from . import environment, faces
@@ -130,7 +131,7 @@ class Film:
         self.seconds += capture.seconds  # what its faces took while another probe's were asked for
         self._reel.add(number, shown)
 
-    def store(self) -> None:
+    def store(self, holders: Holders) -> None:
         """Let the probe show all its pictures.
 
         Raises:
@@ -141,14 +142,14 @@ class Film:
                 self._reel.reuse(number, self._known[content_hash])
         record = Sidecar.of_bake(
             self._specs[0],
-            ensure_uid(self.probe),
+            ensure_uid(self.probe, holders),
             seconds=round(self.seconds, 3),
             content_hash=self._hashes[0],
             blender=bpy.app.version_string,
             addon=ADDON_VERSION,
             replaced_pixels=tuple(self.replaced),
         )
-        self._reel.store(replace(record, moments=self._needs.moments))
+        self._reel.store(replace(record, moments=self._needs.moments), holders)
 
 
 class Sequences:
@@ -166,8 +167,10 @@ class Sequences:
         view_layer: bpy.types.ViewLayer,
         folder: Path | None,
         reuse: bool,
+        holders: Holders,
     ) -> None:
         self._stack, self._scene, self._view_layer, self._folder, self._reuse = stack, scene, view_layer, folder, reuse
+        self._holders = holders
         self.films: list[Film] = []
         self._finished: list[Film] = []
         self.at_once = 0
@@ -229,7 +232,7 @@ class Sequences:
         visit(self._scene, self._view_layer, *at)
         for film in list(self.films):
             yield 1.0, f"{film.name}: storing {film.pictures} pictures"
-            self._attempt(film, film.store)
+            self._attempt(film, film.store, self._holders)
             self._attempt(film, show, film.probe, film.plan)
             if film.error is None:
                 self.films.remove(film)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import fields
 from enum import Enum
 from functools import lru_cache
@@ -62,6 +62,7 @@ class SceneFingerprint:
         for name, made in evaluated(scene, view_layer).items():
             if name in self._objects:
                 self._objects[name] += made
+        self._seen = self._without(())
         lines = [f"cycles.{name} {getattr(scene.cycles, name)}" for name in _CYCLES]
         world = []
         if scene.world:
@@ -86,10 +87,11 @@ class SceneFingerprint:
         settings = (getattr(probe, name) for name in _CAPTURED)
         plain = [setting.value if isinstance(setting, Enum) else setting for setting in settings]
         digest.update(repr((tuple(np.float32(probe.capture_point).tolist()), *plain)).encode())
-        for name in sorted(self._objects):
-            if name not in probe.hidden:
-                digest.update(self._objects[name])
+        digest.update(self._seen if not probe.hidden else self._without(probe.hidden))
         return digest.hexdigest()
+
+    def _without(self, hidden: Container[str]) -> bytes:
+        return b"".join(self._objects[name] for name in sorted(self._objects) if name not in hidden)
 
     def _hash_of_world(self, probe: ProbeSpec) -> str:
         """The world, the settings of its renders, and the box's axes, which the picture has."""

@@ -187,7 +187,7 @@ def bake_record(probe: bpy.types.Object) -> Sidecar | None:
     return _read_record(text, f"bake record of '{probe.name}'") if text else None
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def _read_record(text: str, origin: str) -> Sidecar:
     """That of a sequence is long, and handlers ask for it again and again."""
     return Sidecar.from_json(text, origin)

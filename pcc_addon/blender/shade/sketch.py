@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import ExitStack
 
 import bpy
 
 from ...core.expression import Formula
-from .. import marks
+from .. import compat, marks
 from ..read.nodes import Scope, source
 from . import groups
 from .animation import repeat_animation
@@ -19,7 +20,7 @@ _DROP = -700.0  # how far below the original its twin is drawn
 
 
 class Sketch:
-    """Draws nodes of ours into one tree, each beside one of the user's.
+    """Draws nodes of ours into one tree, each beside one of the user's; `join` links them once they are there.
 
     They have labels and no names: Blender looks through all animations of a file for the old name of a renamed node.
 
@@ -32,6 +33,7 @@ class Sketch:
         self.tree, self.scope = tree, scope
         self._frame: bpy.types.Node | None = None
         self._geometry: bpy.types.Node | None = None
+        self._links: list[tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]] = []
 
     def new(self, kind: str, beside: bpy.types.Node, right: float = 0.0, row: float = 0.0) -> bpy.types.Node:
         """A node of ours, drawn below `beside`, so far to its right and so many rows down."""
@@ -44,7 +46,16 @@ class Sketch:
         return node
 
     def link(self, feeding: bpy.types.NodeSocket, socket: bpy.types.NodeSocket) -> None:
-        self.tree.links.new(feeding, socket)
+        """Let an output feed an input of ours from `join` on."""
+        self._links.append((feeding, socket))
+
+    def join(self) -> None:
+        """Make the links; before what was drawn feeds an output, or each would be a change of the material."""
+        with ExitStack() as stack:
+            compat.use_all_inputs(stack, self.tree)
+            for feeding, socket in self._links:
+                self.tree.links.new(feeding, socket)
+        self._links.clear()
 
     def call(
         self,
@@ -124,10 +135,3 @@ def repeat_value(old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:
             new.default_value = value
     elif new.default_value != value:
         new.default_value = value
-
-
-def forget_value(socket: bpy.types.NodeSocket) -> None:
-    """Let an input of ours no longer repeat that of the original."""
-    values = dict(marks.noted(socket.node, VALUES, {}))
-    values.pop(socket.identifier, None)
-    marks.note(socket.node, VALUES, values)

@@ -20,7 +20,7 @@ from ...core.plan import SurfacePlan
 from .. import marks
 from ..read.nodes import is_given, source
 from . import groups
-from .sketch import Sketch, forget_value
+from .sketch import Sketch
 from .twin_order import ShownProbe
 
 PROBE, GLOW, CAPTURED = "probe", "glow", "captured"
@@ -29,6 +29,7 @@ what is told by an input "Captured" that there is one."""
 _FROM_THE_PROBE = frozenset(
     {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight"}
 )  # not copied into the diffuse part
+_EMISSION = frozenset({"Emission Color", "Emission Strength"})
 _OF_THE_NODE = frozenset({"IOR", "Roughness", "Metallic"})  # what rays ask of the user's node
 _ShaderOf = Callable[[bpy.types.Node, int], bpy.types.NodeSocket]
 
@@ -92,9 +93,9 @@ class SurfaceBuilder:
     def _base(self, lit: bpy.types.Node, *, layers: bool = False) -> bpy.types.NodeSocket:
         """The shader of what a Principled surface has beside its lobe; without coat, which shows in no capture."""
         base = self.sketch.copy(self.node)
-        without = _FROM_THE_PROBE if layers or not self.plan.layered else _FROM_THE_PROBE | {"Coat Weight"}
-        self.sketch.repeat_all(self.node, base, without)
-        for name in without - {"Base Color"}:
+        dark = _FROM_THE_PROBE if layers or not self.plan.layered else _FROM_THE_PROBE | {"Coat Weight"}
+        self.sketch.repeat_all(self.node, base, dark | _EMISSION if layers else dark)
+        for name in dark - {"Base Color"}:
             base.inputs[name].default_value = 0.0
         self.sketch.link(lit.outputs["Diffuse Color"], base.inputs["Base Color"])
         return base.outputs[0]
@@ -116,12 +117,8 @@ class SurfaceBuilder:
         self.sketch.repeat(self.node.inputs["Emission Color"], add.inputs[0])
         self.sketch.repeat(self.node.inputs["Emission Strength"], add.inputs[1])
         self.sketch.link(lit.outputs["Reflection"], add.inputs[2])
-        strength = whole.node.inputs["Emission Strength"]
         self.sketch.link(add.outputs[0], whole.node.inputs["Emission Color"])
-        for link in strength.links:
-            self.sketch.tree.links.remove(link)
-        forget_value(strength)
-        strength.default_value = 1.0
+        whole.node.inputs["Emission Strength"].default_value = 1.0
         return whole
 
     def _mix(

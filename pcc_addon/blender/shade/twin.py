@@ -9,9 +9,11 @@ engine each and the originals, until the twins are removed, for all, so that eac
 
 from __future__ import annotations
 
+from contextlib import ExitStack
+
 import bpy
 
-from .. import marks
+from .. import compat, marks
 from ..read.nodes import Scope, outputs, own_outputs, source
 from .surface_builder import CAPTURED, GLOW, PROBE
 from .twin_builder import TwinBuilder
@@ -31,11 +33,14 @@ def add_twins(material: bpy.types.Material, order: TwinOrder) -> None:
         twin = builder.sketch.new("ShaderNodeOutputMaterial", original, right=1000.0)
         marks.tag(twin, _OUTPUT)
         twin.label = f"{original.label or original.name}, Parallax Probe"
+        fed = {}
         for socket in original.inputs:
             shader = socket.type == "SHADER" and socket.name == "Surface"
-            feeding = builder.twin(socket) if shader else source(socket)
+            fed[socket.name] = builder.twin(socket) if shader else source(socket)
+        builder.sketch.join()
+        for name, feeding in fed.items():
             if feeding is not None:
-                tree.links.new(feeding, twin.inputs[socket.name])
+                tree.links.new(feeding, twin.inputs[name])
         if not order.surfaces:
             builder.keep_probes(original)
         if len(originals) == 1:
@@ -55,8 +60,11 @@ def remove_twins(material: bpy.types.Material) -> bool:
     if not own and before is None:
         return False
     copies = {n.node_tree for n in own if n.bl_idname == "ShaderNodeGroup" and n.node_tree}
-    for node in own:
-        tree.nodes.remove(node)
+    with ExitStack() as stack:
+        if own:
+            compat.use_all_inputs(stack, tree)
+        for node in own:
+            tree.nodes.remove(node)
     for copy in copies:
         _remove_copy(copy)
     if before is not None:

@@ -67,8 +67,9 @@ class TwinBuilder:
         if sink is None:
             return tree
         builder = TwinBuilder(tree, Scope(tree, inside.nodes), self.order, self.material)
-        for socket in [s for s in sink.inputs if s.type == "SHADER"]:
-            feeding = builder.twin(socket)
+        fed = [(builder.twin(socket), socket) for socket in sink.inputs if socket.type == "SHADER"]
+        builder.sketch.join()
+        for feeding, socket in fed:
             if feeding is not None:
                 tree.links.new(feeding, socket)
         return tree

@@ -14,6 +14,7 @@ from ...core import sidecar
 from ...core.errors import BakeError
 from ...core.pictures import STILL
 from ...core.workplace import UNFINISHED, temporary_folder
+from ..read.holders import Holders
 from . import pictures
 
 
@@ -42,14 +43,10 @@ def cannot_write(probe: bpy.types.Object, folder: Path, error: OSError) -> str:
     return f"probe '{probe.name}': cannot write into '{folder}' ({error.strerror}); free space or choose another folder"
 
 
-def own_images(probe: bpy.types.Object) -> dict[int, bpy.types.Image]:
+def own_images(probe: bpy.types.Object, holders: Holders) -> dict[int, bpy.types.Image]:
     """The images of a probe's levels, without those that a probe and its copy share, by `rung`."""
-    found = {rung(level.roughness): level.image for level in probe.pcc_probe.levels if level.image}
-    if found:
-        others = [o.pcc_probe.levels for o in bpy.data.objects if o != probe and o.type == "EMPTY"]
-        shared = {level.image for levels in others for level in levels}
-        found = {key: image for key, image in found.items() if image not in shared}
-    return found
+    images = {rung(level.roughness): level.image for level in probe.pcc_probe.levels if level.image}
+    return {key: image for key, image in images.items() if not holders.share(image)}
 
 
 def rung(roughness: float) -> int:
@@ -62,7 +59,7 @@ def rename_pictures(probe: bpy.types.Object) -> None:
     names = {level.image: _image_name(probe, level.roughness) for level in probe.pcc_probe.levels if level.image}
     if all(image.name.startswith(name) for image, name in names.items()):
         return
-    for image in own_images(probe).values():
+    for image in own_images(probe, Holders()).values():
         if not image.name.startswith(names[image]):
             image.name = names[image]
 
@@ -75,24 +72,17 @@ def linked(
     folder: Path, levels: Sequence[sidecar.Level], own: Mapping[int, bpy.types.Image], probe: bpy.types.Object
 ) -> dict[float, bpy.types.Image]:
     """The pictures of files in a folder, by roughness, each in place of the probe's own of its `rung`."""
-    images: dict[float, bpy.types.Image] = {}
-    for level in levels:
-        like = next((image for image in reversed(images.values()) if image not in own.values()), None)
-        images[level.roughness] = _linked(folder / level.file, own.get(rung(level.roughness)), like, probe, level)
-    return images
+    return {
+        level.roughness: _linked(folder / level.file, own.get(rung(level.roughness)), probe, level) for level in levels
+    }
 
 
-def _linked(
-    path: Path,
-    old: bpy.types.Image | None,
-    like: bpy.types.Image | None,
-    probe: bpy.types.Object,
-    level: sidecar.Level,
-) -> bpy.types.Image:
+def _linked(path: Path, old: bpy.types.Image | None, probe: bpy.types.Object, level: sidecar.Level) -> bpy.types.Image:
     if old is not None and not old.packed_file and Path(bpy.path.abspath(old.filepath)).resolve() == path:
-        old.reload()
+        old.buffers_free()  # it is read anew where it is shown; `reload` asks all nodes of the file who that is
+        old.update_tag()
         return _named(old, probe, level)
-    image = pictures.load(path, like)
+    image = pictures.load(path)
     source = "FILE" if level.key.number == STILL else "SEQUENCE"  # which shows its file first; nodes say which when
     if image.source != source:
         image.source = source
@@ -120,15 +110,18 @@ def _named(image: bpy.types.Image, probe: bpy.types.Object, level: sidecar.Level
     return image
 
 
-def keep(probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image]) -> None:
+def keep(
+    probe: bpy.types.Object, record: sidecar.Sidecar, images: dict[float, bpy.types.Image], holders: Holders
+) -> None:
     """Let the probe know its pictures and their record; pictures that nobody shows any more are removed."""
     settings = probe.pcc_probe
-    before = {level.image for level in settings.levels if level.image}
+    gone = {level.image for level in settings.levels if level.image} - set(images.values())
+    holders.let_go(gone)
     settings.levels.clear()
     for roughness in sorted(images):
         level = settings.levels.add()
         level.roughness, level.image = roughness, images[roughness]
     settings.bake_record = record.to_json()
-    for image in before - set(images.values()):
+    for image in gone:
         if image.users == 0:
             bpy.data.images.remove(image)

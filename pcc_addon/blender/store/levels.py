@@ -14,6 +14,7 @@ from ...core import sidecar
 from ...core.errors import BakeError
 from ...core.pictures import PictureKey, PictureKind
 from ...core.prefilter import prefilter
+from ..read.holders import Holders
 from ..read.probes import bake_record, check_own
 from . import leftovers, pictures, sequences
 from .keeping import cannot_write, folder_for_parts, keep, linked, own_images, packed, rename_pictures, rung
@@ -36,6 +37,7 @@ def store(
     record: sidecar.Sidecar,
     levels: dict[float, np.ndarray],
     folder: Path | None,
+    holders: Holders | None = None,
 ) -> None:
     """Write a probe's pictures and sidecar aside and move them into place; its shader is for the caller to refresh.
 
@@ -44,10 +46,12 @@ def store(
         record: of the bake; its levels are filled in here.
         levels: pictures (h, 2h, 3) by roughness, with 0 for the capture itself.
         folder: where to; None packs the pictures into the .blend.
+        holders: who shows which pictures, where that was asked before.
 
     Raises:
         BakeError: the folder or a file cannot be written; what was there before is untouched.
     """
+    holders = holders or Holders()
     stem = sidecar.file_stem(probe.name, record.uid)
     described = tuple(_described(stem, k, r, levels[r]) for k, r in enumerate(sorted(levels)))
     with ExitStack() as stack:
@@ -57,7 +61,7 @@ def store(
             pictures.write_file(parts / level.file, levels[level.roughness])
         described = tuple(replace(level, size=(parts / level.file).stat().st_size) for level in described)
         record = replace(record, levels=described)
-        own = own_images(probe)
+        own = own_images(probe, holders)
         if folder is None:
             images = {
                 level.roughness: packed(parts / level.file, own.get(rung(level.roughness)), probe, level)
@@ -74,7 +78,7 @@ def store(
             except OSError as error:
                 raise BakeError(cannot_write(probe, folder, error)) from error
             images = linked(folder, described, own, probe)
-    keep(probe, record, images)
+    keep(probe, record, images, holders)
 
 
 def _described(stem: str, k: int, roughness: float, picture: np.ndarray) -> sidecar.Level:

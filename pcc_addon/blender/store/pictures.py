@@ -21,6 +21,7 @@ class _Desk:
         self._stack = stack
         self._blank: dict[tuple[int, int], bpy.types.Image] = {}
         self._reader: bpy.types.Image | None = None
+        self._plain: bpy.types.Image | None = None
         self._scene: bpy.types.Scene | None = None
 
     def read(self, path: Path) -> bpy.types.Image:
@@ -33,6 +34,14 @@ class _Desk:
         self._reader.filepath_raw = str(path)  # which tells nobody: the other way each node of the file is asked
         self._reader.buffers_free()
         return self._reader
+
+    def plain(self, path: Path) -> bpy.types.Image:
+        """An image as shaders are to read files, itself never read, of some file."""
+        if self._plain is None:
+            self._plain = temporary(self._stack, bpy.data.images, bpy.data.images.load(str(path)))
+            self._plain.colorspace_settings.name = "Non-Color"
+            self._plain.alpha_mode = "NONE"
+        return self._plain
 
     def blank(self, width: int, height: int) -> bpy.types.Image:
         """An image to fill, until the next one of that size is wanted."""
@@ -144,22 +153,14 @@ def is_whole(path: Path, width: int, height: int) -> bool:
         return tuple(at.read(path).size) == (width, height)  # that of a file that cannot be read is (0, 0)
 
 
-def load(path: Path, like: bpy.types.Image | None = None) -> bpy.types.Image:
+def load(path: Path) -> bpy.types.Image:
     """The picture as a new data block for shaders.
 
-    Args:
-        path: its file.
-        like: another that was loaded so, is not packed and was not read yet; a copy of it is faster, since Blender
-            goes through all shaders of the file when the colour space of an image is set.
+    A copy, since Blender goes through all shaders of the file whenever the colour space of an image is set.
     """
-    if like is not None:
-        image = like.copy()
-        image.filepath_raw = blend_path(path)
-        return image
-    image = bpy.data.images.load(str(path))
+    with desk() as at:
+        image = at.plain(path).copy()
     image.filepath_raw = blend_path(path)
-    image.colorspace_settings.name = "Non-Color"
-    image.alpha_mode = "NONE"
     return image
 
 

@@ -16,6 +16,7 @@ from ...core import sidecar
 from ...core.errors import BakeError
 from ...core.pictures import PictureKey, PictureKind
 from ...core.prefilter import prefilter
+from ..read.holders import Holders
 from . import leftovers, pictures
 from .keeping import cannot_write, folder_for_parts, keep, linked, own_images, rung
 
@@ -82,8 +83,12 @@ class Reel:
                 raise BakeError(cannot_write(self._probe, self._folder, error)) from error
             self._note(number, roughness, level)
 
-    def store(self, record: sidecar.Sidecar) -> None:
+    def store(self, record: sidecar.Sidecar, holders: Holders | None = None) -> None:
         """Move all files into place and let the probe show them; its levels are filled into the record here.
+
+        Args:
+            record: of the bake.
+            holders: who shows which pictures, where that was asked before.
 
         Raises:
             BakeError: a file cannot be moved; what was there before is untouched.
@@ -103,11 +108,12 @@ class Reel:
             leftovers.wrote(new)
         except OSError as error:
             raise BakeError(cannot_write(self._probe, self._folder, error)) from error
-        own = own_images(self._probe)
+        holders = holders or Holders()
+        own = own_images(self._probe, holders)
         with pictures.desk():
             first = [level for level in described if level.key.number == 0]
             images = linked(self._folder, first, own, self._probe)
-        keep(self._probe, record, images)
+        keep(self._probe, record, images, holders)
 
     def _described(self, stem: str, k: int, roughness: float, numbers: Sequence[int]) -> list[sidecar.Level]:
         """One level of all pictures. Their common name depends on all of them."""
