@@ -1,4 +1,4 @@
-"""Numbers to be exact with: float64 for many cases, 50 digits for some. Both are arrays, so one computation has both."""
+"""Numbers to be exact with: float64 for many cases, 50 digits for some; both are arrays of one computation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where rough surfaces are looked up: families of hard cases, the fitted direction and its rounding, the lobe itself."""
+"""Where rough surfaces are looked up: families of hard cases, the fitted direction, its rounding, the lobe itself."""
 
 from __future__ import annotations
 
@@ -110,8 +110,8 @@ FIT = 0.016  # radians by which the fitted direction may miss; a tenth of a lobe
 def halfway_to_the_mean(cosine: float, roughness: float, ior: float | None, grid: int = 160) -> float:
     """The angle from the normal halfway between the mirrored view and the mean direction of the lobe's light, radians.
 
-    The mean of the directions into which GGX facets mirror the view, weighted by their number, the Smith masking of both
-    ways (height-correlated) and Fresnel's reflectance; facets are drawn by their number as seen from above.
+    The mean of the directions into which GGX facets mirror the view, weighted by their number, the Smith masking of
+    both ways (height-correlated) and Fresnel's reflectance; facets are drawn by their number as seen from above.
 
     Args:
         cosine: between view and normal, above 0.

@@ -70,7 +70,7 @@ def exact(mixed: Mixed, ladder: str, hardening: bool, numbers: Numbers = float64
 
 
 def bound(mixed: Mixed, ladder: str, hardening: bool, truth: np.ndarray) -> np.ndarray:
-    """(n, 3) how far from the exact radiance float32 may end, where a difference of two levels is added for each rung."""
+    """(n, 3) how far from the exact radiance float32 may end that adds a difference of two levels for each rung."""
     rungs = LADDERS[ladder]
     roughness, levels = Rounded.given(mixed.roughness), Rounded.given(mixed.levels)
     if hardening:

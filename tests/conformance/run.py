@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import reduce
 from operator import add
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,11 @@ from tests.shader_harness import evaluate_expressions
 
 from . import variants
 from .cases import Cases
+from .digits import float64
 from .families import FAMILIES
+from .rounding import ROUNDOFF
+from .subjects import Subject
+from .verdict import Verdict, side_by_side
 
 EXPECTED_ROUNDING = 1e-7  # of a direction (radians), or of 1: of the expected results that EEVEE is given
 _MAGNIFIED = 4096.0  # half floats then resolve differences of 1e-10, and still hold the largest
@@ -46,6 +51,26 @@ def off_in_eevee(
         found[name] = np.where(_beside(sure, off), off, np.nan)
     return found
 
+
+def judged_in_eevee(subject: Subject, cases: Any) -> Verdict:
+    """How a subject fares in EEVEE, which is given the exact results in float32: that counts as a part of the bound."""
+    truth, bounds = subject.truth(cases, float64), subject.bound(cases)
+    outputs = {name: normalize(e) if subject.directions else e for name, e in subject.formula.outputs.items()}
+    errors, allowed = [], []
+    for name, off in off_in_eevee(outputs, cases.inputs(), truth).items():
+        given = EXPECTED_ROUNDING if subject.directions else ROUNDOFF * np.abs(truth[name]) + _HALF_FLOATS
+        if off.ndim > 1 and not subject.directions:
+            given = given + _MIXED * off.max(-1, keepdims=True)
+        errors.append(np.linalg.norm(off, axis=-1) if subject.directions else off)
+        allowed.append(bounds[name] + given)
+    error, bound = side_by_side(errors), side_by_side(allowed)
+    return Verdict(error, bound, np.isfinite(error).all(-1))
+
+
+_HALF_FLOATS = 2.0**-24 / _MAGNIFIED  # their smallest step
+_MIXED = 2.0**-10  # of the brightest channel: what EEVEE's film, of brightness and hues, lets get into others
+
+MOST_IN_EEVEE = 13  # inputs, the expected result not counted
 
 _ZEROS = {"Zero": np.float32(0.0)}
 

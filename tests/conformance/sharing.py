@@ -154,9 +154,9 @@ _HANDOVER_IN_FLOAT32 = float(np.float32(HANDOVER))
 def sum_bound(probes: int) -> float:
     """How far from 1 the parts of so many probes and of the own lobe may add up: 4 ulp a probe.
 
-    One share is 1 to begin with. Each probe more takes s and leaves 1 − s of the others, which rounds by ε, as does the
-    product; so what is shared stays 1 to 2 ε a probe. Its product with what is covered and the own lobe's difference from
-    it round by ε each.
+    One share is 1 to begin with. Each probe more takes s and leaves 1 − s of the others, which rounds by ε, as does
+    the product; so what is shared stays 1 to 2 ε a probe. Its product with what is covered and the own lobe's
+    difference from that round by ε each.
     """
     return 4 * probes * ROUNDOFF
 
@@ -259,7 +259,7 @@ STEPPED = "a step of a hundredth of the fade"
 
 
 def steps(shared: Shared, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far every second point of `STEPPED` is from the one before, metres, and the most that a part changes there."""
+    """How far every second point of `STEPPED` is from the one before, metres, and the most that a part changes."""
     count = len(shared) // 2 * 2
     metres = np.abs(np.diff(shared.depth[:count].astype(np.float64).reshape(-1, 2, PROBES), axis=1)).max((1, 2))
     return metres, np.abs(np.diff(parts[:count].reshape(-1, 2, PROBES + 1), axis=1)).max((1, 2))

@@ -16,7 +16,7 @@ from .columns import Families
 from .digits import Numbers, float64
 from .families import CORRECTIONS
 from .reference import angle
-from .verdict import Verdict
+from .verdict import Verdict, side_by_side
 
 Arrays = dict[str, np.ndarray]
 
@@ -62,11 +62,7 @@ class Subject:
         errors = [difference(found[name], exact) for name, exact in self.truth(cases, float64).items()]
         bounds = list(self.bound(cases).values())
         finite = [np.isfinite(found[name]).reshape(len(cases), -1).all(-1) for name in found]
-        return Verdict(_side_by_side(errors), _side_by_side(bounds), np.all(finite, axis=0))
-
-
-def _side_by_side(arrays: list[np.ndarray]) -> np.ndarray:
-    return np.concatenate([array.reshape(len(array), -1) for array in arrays], -1)
+        return Verdict(side_by_side(errors), side_by_side(bounds), np.all(finite, axis=0))
 
 
 def _by_part(parts: np.ndarray) -> Arrays:

@@ -12,11 +12,11 @@ from pcc_addon.core.effects.records import Correction, LookupEffects
 from tests.shader_harness import evaluate_expressions
 
 from . import variants
-from .bound import direction_bound, stretched_bound
+from .bound import direction_bound, spread_bound, stretched_bound
 from .digits import fifty
 from .families import CORRECTIONS, FAMILIES
-from .reference import angle, exact
-from .run import EXPECTED_ROUNDING, directions, errors_in_eevee, together
+from .reference import LEAST_SPREAD, MOST_SPREAD, angle, exact
+from .run import EXPECTED_ROUNDING, directions, errors_in_eevee, in_cycles, together
 from .verdict import WELL_CONDITIONED, judge
 
 FEW, MANY = 2048, 20_000  # cases of a family and a correction: over 100,000 and over a million in all
@@ -70,6 +70,18 @@ def test_a_picture_that_is_stretched_is_looked_up_within_its_bound(scene, correc
     failed = ~(angle(found, truth.stretched) <= bound)
     assert not failed.any(), worst(where, failed)
     assert (bound <= 10.0 * WELL_CONDITIONED).mean() > 0.7, "long boxes shorten directions, not what they are off by"
+
+
+@BY_CORRECTION
+def test_the_spread_of_hardened_contacts_stays_within_its_bound(scene, correction: Correction) -> None:
+    cases, where = together(FEW, correction)
+    outputs = {"Spread": formula.lookup(LookupEffects(correction, None, hardening=True))["Spread"]}
+    found, truth = in_cycles(outputs, variants.inputs(cases))["Spread"], exact(cases)
+    bound = spread_bound(cases, truth)
+    failed = ~(np.abs(found - truth.spread) <= bound)
+    assert not failed.any(), worst(where, failed)
+    assert (bound <= WELL_CONDITIONED).mean() > 0.7
+    assert min((truth.spread == LEAST_SPREAD).mean(), (truth.spread == MOST_SPREAD).mean()) > 0.01
 
 
 @pytest.mark.heavy

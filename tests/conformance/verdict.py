@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,11 @@ class Verdict:
 
     def _of_all(self, holds: np.ndarray) -> np.ndarray:
         return holds.reshape(len(self.finite), -1).all(-1)
+
+
+def side_by_side(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """Results of n cases as one array (n, k)."""
+    return np.concatenate([array.reshape(len(array), -1) for array in arrays], -1)
 
 
 def judge(cases: Cases, direction: np.ndarray) -> Verdict:

@@ -16,14 +16,14 @@ FACETS = {"mirrors": None, "IOR 1.33": 1.33, "IOR 1.5": 1.5, "IOR 2.4": 2.4}
 LEAST_COSINE, LEAST_ROUGHNESS = 0.03, 0.1  # of lobes; below, the directions are next to the mirrored view
 
 ABOUT = [
-    "Where a rough surface is looked up: inputs, the directions that follow from the lobe, tolerances. Inputs are float32 "
-    "numbers, written exactly; incoming (to the eye) and normal have length 1 to rounding.",
-    "direction: halfway, by the angle, between the mirrored view and the mean direction of the light that the lobe sends "
-    "to the eye where it is the same from everywhere: the mean over all directions l of D G F l, with GGX's D of alpha = "
-    "roughness^2, the height-correlated Smith G, and Fresnel's F for the index ior; ior null: F = 1. Roughness 0: the "
-    "mirrored view. Summed over 160 x 160 facets in float64.",
-    "tolerance: radians; what a fit by a few coefficients may miss, less than a tenth of the lobe's width, and what single "
-    "precision adds. tests/conformance/dominant.py bounds that alone, for the coefficients of this project.",
+    "Where a rough surface is looked up: inputs, the directions that follow from the lobe, tolerances. Inputs are "
+    "float32 numbers, written exactly; incoming (to the eye) and normal have length 1 to rounding.",
+    "direction: halfway, by the angle, between the mirrored view and the mean direction of the light that the lobe "
+    "sends to the eye where it is the same from everywhere: the mean over all directions l of D G F l, with GGX's D "
+    "of alpha = roughness^2, the height-correlated Smith G, and Fresnel's F for the index ior; ior null: F = 1. "
+    "Roughness 0: the mirrored view. Summed over 160 x 160 facets in float64.",
+    "tolerance: radians; what a fit by a few coefficients may miss, less than a tenth of the lobe's width, and what "
+    "single precision adds. tests/conformance/dominant.py bounds that alone, for the coefficients of this project.",
 ]
 
 
