@@ -16,7 +16,7 @@ import numpy as np
 
 from pcc_addon.blender import compat, rendering
 from pcc_addon.blender.overrides import temporary
-from pcc_addon.blender.shade import node_builder
+from pcc_addon.blender.shade import groups, node_builder
 from pcc_addon.core.expression import Expr
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import emissive
@@ -29,7 +29,7 @@ def evaluate_expressions(
     """Emit `outputs` as a node group, run that on `inputs`, and remove it again; see `evaluate_group`."""
     with ExitStack() as stack:
         tree = temporary(stack, bpy.data.node_groups, bpy.data.node_groups.new("harness", "ShaderNodeTree"))
-        node_builder.emit(tree, outputs)
+        node_builder.emit(tree, outputs, node_builder.Surroundings(group_of=groups.formula_group))
         return evaluate_group(tree, inputs, engine=engine)
 
 

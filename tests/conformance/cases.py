@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from pcc_addon.core.effects.records import Correction
-from tests.core.boxes import unit
+
+from .columns import Columns
+from .digits import Numbers, float64, unit
 
 
 @dataclass(frozen=True)
-class Cases:
+class Cases(Columns):
     """n evaluations of the lookup; all arrays are float32, in world space and metres.
 
     Attributes:
@@ -34,14 +36,6 @@ class Cases:
     turn_mirror: np.ndarray
     capture_point: np.ndarray
 
-    def __len__(self) -> int:
-        return len(self.position)
-
-    def __getitem__(self, chosen: np.ndarray | slice) -> Cases:
-        """Some of the cases."""
-        arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "correction"}
-        return Cases(self.correction, **{name: array[chosen] for name, array in arrays.items()})
-
     def inputs(self) -> dict[str, np.ndarray]:
         """By the names of the lookup's inputs."""
         return {
@@ -55,9 +49,9 @@ class Cases:
             "Capture Point": self.capture_point,
         }
 
-    def exact_face_normals(self) -> np.ndarray:
-        """(n, 3, 3) float64: the normals that the given numbers mean."""
+    def exact_face_normals(self, numbers: Numbers = float64) -> np.ndarray:
+        """(n, 3, 3): the normals that the given numbers mean."""
         if self.correction is not Correction.TURNED_BOX:
-            return self.face_normals.astype(np.float64)
-        mirror = unit(self.turn_mirror.astype(np.float64))
+            return numbers(self.face_normals)
+        mirror = unit(numbers(self.turn_mirror))
         return np.eye(3) - 2.0 * mirror[:, :, None] * mirror[:, None, :]

@@ -9,10 +9,11 @@ import numpy as np
 from pcc_addon.core.effects.records import Correction
 from pcc_addon.core.probe import STEEPEST_FALLOFF
 
-from .bound import ALONG, ROUNDOFF
+from .bound import ALONG
 from .cases import Cases
 from .families import at, on_boundary, room
 from .reference import Exact
+from .rounding import ROUNDOFF
 
 
 def fades(cases: Cases, rng: np.random.Generator) -> dict[str, np.ndarray]:

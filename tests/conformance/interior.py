@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import zlib
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,13 +11,15 @@ from pcc_addon.core.effects import interior as formula
 from pcc_addon.core.expression import Expr, scalar, vector
 from tests.core.boxes import directions, unit
 
-from .bound import ROUNDOFF, SMALLEST, _distance_from_zero
+from .bound import distance_from_zero
+from .columns import Columns, Families
 from .families import log_uniform, nudged, signs, single
 from .reference import angle
+from .rounding import ROUNDOFF, SMALLEST
 
 
 @dataclass(frozen=True)
-class Panes:
+class Panes(Columns):
     """n rays that enter rooms through a pane; all arrays are float32.
 
     Attributes:
@@ -38,12 +38,6 @@ class Panes:
     capture: np.ndarray
     quarters: np.ndarray
     mirror: np.ndarray
-
-    def __len__(self) -> int:
-        return len(self.place)
-
-    def __getitem__(self, chosen: np.ndarray | slice) -> Panes:
-        return Panes(**{f.name: getattr(self, f.name)[chosen] for f in fields(self)})
 
     def inputs(self) -> dict[str, np.ndarray]:
         """By the names of `expression`'s inputs."""
@@ -123,7 +117,7 @@ def direction_bound(panes: Panes, truth: Exact) -> np.ndarray:
     most = ((np.abs(speed) + d_speed) / np.maximum(nearest - d_ahead, floor)).max(-1)
     ends = [_directed(truth, capture, u) for u in (least * (1 - 2 * ROUNDOFF), most * (1 + 2 * ROUNDOFF))]
     swept = np.maximum(*(angle(end, truth.direction) for end in ends))
-    shortest = np.maximum(_distance_from_zero(*ends), 1e-300)
+    shortest = np.maximum(distance_from_zero(*ends), 1e-300)
     # The place: the spot's error, a product and a sum; then three products and sums, the capture point's and the last.
     place = np.abs(spot * most[:, None] + speed)
     d_place = most[:, None] * (d_spot + ROUNDOFF) + d_speed + ROUNDOFF * place
@@ -141,30 +135,8 @@ def _directed(truth: Exact, capture: np.ndarray, near: np.ndarray) -> np.ndarray
 
 # The families --------------------------------------------------------------------------------------------------------
 
-Make = Callable[[np.random.Generator, int], Panes]
-FAMILIES: dict[str, Make] = {}
-
-
-def family(name: str) -> Callable[[Make], Make]:
-    """Enter a function into `FAMILIES`."""
-
-    def enter(make: Make) -> Make:
-        FAMILIES[name] = make
-        return make
-
-    return enter
-
-
-def cases(name: str, count: int) -> Panes:
-    """`count` cases of a family, the same every time."""
-    return FAMILIES[name](np.random.default_rng(zlib.crc32(f"interior {name}".encode())), count)
-
-
-def together(count: int) -> tuple[Panes, dict[str, slice]]:
-    """`count` cases of every family in one, and where each family's are."""
-    parts = [cases(name, count) for name in FAMILIES]
-    joined = Panes(**{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Panes)})
-    return joined, {name: slice(k * count, (k + 1) * count) for k, name in enumerate(FAMILIES)}
+FAMILIES: Families[Panes] = Families("interior")
+family, cases, together = FAMILIES.family, FAMILIES.cases, FAMILIES.together
 
 
 @family("windows")

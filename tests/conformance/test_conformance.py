@@ -12,10 +12,11 @@ from pcc_addon.core.effects.records import Correction, LookupEffects
 from tests.shader_harness import evaluate_expressions
 
 from . import variants
-from .bound import direction_bound, stretched_bound
+from .bound import direction_bound, spread_bound, stretched_bound
+from .digits import fifty
 from .families import CORRECTIONS, FAMILIES
-from .reference import angle, exact, exact_direction_in_50_digits
-from .run import EXPECTED_ROUNDING, directions, errors_in_eevee, together
+from .reference import LEAST_SPREAD, MOST_SPREAD, angle, exact
+from .run import EXPECTED_ROUNDING, directions, errors_in_eevee, in_cycles, together
 from .verdict import WELL_CONDITIONED, judge
 
 FEW, MANY = 2048, 20_000  # cases of a family and a correction: over 100,000 and over a million in all
@@ -37,7 +38,7 @@ def test_cycles_stays_finite_and_within_the_bound_on_every_family(scene, correct
     verdict = judge(cases, directions(cases, variants.full(correction)))
     assert verdict.finite.all(), worst(where, ~verdict.finite)
     assert verdict.within.all(), worst(where, ~verdict.within)
-    assert verdict.well_conditioned.mean() > 0.7, "most cases are such that the bound promises 1e-5 radians"
+    assert verdict.bound_at_most().mean() > 0.7, "most cases are such that the bound promises 1e-5 radians"
 
 
 @pytest.mark.heavy
@@ -69,6 +70,18 @@ def test_a_picture_that_is_stretched_is_looked_up_within_its_bound(scene, correc
     failed = ~(angle(found, truth.stretched) <= bound)
     assert not failed.any(), worst(where, failed)
     assert (bound <= 10.0 * WELL_CONDITIONED).mean() > 0.7, "long boxes shorten directions, not what they are off by"
+
+
+@BY_CORRECTION
+def test_the_spread_of_hardened_contacts_stays_within_its_bound(scene, correction: Correction) -> None:
+    cases, where = together(FEW, correction)
+    outputs = {"Spread": formula.lookup(LookupEffects(correction, None, hardening=True))["Spread"]}
+    found, truth = in_cycles(outputs, variants.inputs(cases))["Spread"], exact(cases)
+    bound = spread_bound(cases, truth)
+    failed = ~(np.abs(found - truth.spread) <= bound)
+    assert not failed.any(), worst(where, failed)
+    assert (bound <= WELL_CONDITIONED).mean() > 0.7
+    assert min((truth.spread == LEAST_SPREAD).mean(), (truth.spread == MOST_SPREAD).mean()) > 0.01
 
 
 @pytest.mark.heavy
@@ -116,14 +129,12 @@ def test_the_reference_agrees_with_50_digits(family) -> None:
             continue
         cases = family.cases(12, correction)
         truth = exact(cases)
-        bound = direction_bound(cases, truth)
-        for k in np.flatnonzero(bound < 0.1):
-            expected = exact_direction_in_50_digits(cases, k)
-            assert angle(truth.direction[k : k + 1], expected[None])[0] <= 1e-6 * bound[k] + 1e-15
-        bound = stretched_bound(cases, truth)
-        for k in np.flatnonzero(bound < 0.1):
-            expected = exact_direction_in_50_digits(cases, k, stretched=True)
-            assert angle(truth.stretched[k : k + 1], expected[None])[0] <= 1e-6 * bound[k] + 1e-15
+        with fifty() as numbers:
+            exacter = exact(cases, numbers)
+        for name, bound in (("direction", direction_bound), ("stretched", stretched_bound)):
+            sure = bound(cases, truth) < 0.1
+            error = angle(getattr(truth, name), getattr(exacter, name))
+            assert (error[sure] <= 1e-6 * bound(cases, truth)[sure] + 1e-15).all()
 
 
 @pytest.mark.without_blender

@@ -9,10 +9,11 @@ from pcc_addon.core.effects import lookup as formula
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from tests.core.boxes import unit
 
-from .bound import REFLECT, ROUNDOFF, direction_bound
+from .bound import REFLECT, direction_bound
 from .fades import exact_weight, fades
 from .families import CORRECTIONS
 from .reference import angle, exact
+from .rounding import ROUNDOFF
 from .run import together, values
 
 COUNT = 1024

@@ -1,4 +1,4 @@
-"""What must hold for any lookup at all, tried by hypothesis on the formula in single precision, run by NumPy."""
+"""What must hold for any inputs at all, tried by hypothesis on formulas in single precision, run by NumPy."""
 
 from __future__ import annotations
 
@@ -14,9 +14,12 @@ from pcc_addon.core.effects import lookup as formula
 from pcc_addon.core.effects.records import Correction, LookupEffects
 from tests.core.boxes import unit
 
+from . import glass, sharing
 from .cases import Cases
+from .digits import inner
 from .families import CORRECTIONS
 from .reference import exact
+from .subjects import SUBJECTS, Subject
 from .verdict import judge
 
 pytestmark = pytest.mark.without_blender
@@ -28,14 +31,15 @@ place = st.tuples(coordinate, coordinate, coordinate)
 half_width = st.one_of(st.sampled_from([1.0, 2.0]), st.floats(2.0**-13, 2.0**17, width=32))
 
 
+def one(values: object) -> np.ndarray:
+    return np.asarray(values, np.float32)[None]
+
+
 @st.composite
-def any_case(draw: st.DrawFn) -> Cases:
+def any_case(draw: st.DrawFn, correction: Correction | None = None) -> Cases:
     """One lookup in any box; the point is anywhere, or a share of the half widths from the centre, walls included."""
 
-    def one(values: object) -> np.ndarray:
-        return np.asarray(values, np.float32)[None]
-
-    correction = draw(st.sampled_from(CORRECTIONS))
+    correction = correction or draw(st.sampled_from(CORRECTIONS))
     axes = np.eye(3)
     if correction is Correction.ORIENTED_BOX:
         axes, _ = np.linalg.qr(np.array([draw(three) for _ in range(3)]))
@@ -81,3 +85,36 @@ def test_the_unit_of_length_does_not_matter(case: Cases, power: int) -> None:
     lengths = ("position", "centre", "half_widths", "capture_point")
     scaled = replace(case, **{name: getattr(case, name) * np.float32(2.0**power) for name in lengths})
     np.testing.assert_allclose(look(scaled), look(case), rtol=0.0, atol=1e-37)
+
+
+direction = three.map(lambda v: unit(np.array(v))).filter(lambda v: v.any())
+depth = st.one_of(st.sampled_from([0.0, -0.0, -1e-30, -0.2, -1.0, -1e6]), st.floats(-2.0, 2.0, width=32))
+share = st.one_of(st.sampled_from([0.0, 1.0, 1e-40]), st.floats(0.0, 1.0, width=32))
+fade = st.one_of(st.just(1.0), st.floats(2.0**-30, 2.0**10, width=32))
+
+
+@pytest.mark.parametrize("subject", [s for s in SUBJECTS if s.kind == "seen through"], ids=str)
+@given(st.data(), direction, direction, st.floats(1.0, 2.5, width=32), st.booleans(), st.tuples(*[half_width] * 3))
+def test_any_glass_stays_finite_and_within_the_bound(
+    subject: Subject, data: st.DataObject, view: np.ndarray, normal: np.ndarray, ior: float, back: bool, size: tuple
+) -> None:
+    correction, interface = subject.told
+    facing = normal * (-1.0 if inner(view, normal) < 0.0 else 1.0)
+    case = replace(data.draw(any_case(correction)), incoming=one(view), normal=one(facing))
+    axes = one(np.eye(3)[[2, 0, 1]])
+    surface = glass.Glass(interface, case, one(ior), one(back), one(size), axes)
+    verdict = subject.judge(surface, evaluate(subject.formula.outputs, surface.inputs(), np.float32))
+    assert verdict.within.all(), (verdict.error, verdict.bound)
+
+
+@pytest.mark.parametrize("subject", [s for s in SUBJECTS if s.kind == "shares"], ids=str)
+@given(*[st.tuples(*[strategy] * sharing.PROBES) for strategy in (depth, share, fade)], st.booleans())
+def test_any_shares_add_up_to_one_and_stay_within_the_bound(
+    subject: Subject, depths: tuple, weights: tuple, fades: tuple, diffuse: bool
+) -> None:
+    point = sharing.Shared(one(depths), one(weights), one(fades), one(diffuse))
+    found = evaluate(subject.formula.outputs, point.inputs(), np.float32)
+    verdict = subject.judge(point, found)
+    assert verdict.within.all(), (verdict.error, verdict.bound)
+    total = sharing.parts_of(found).astype(np.float64).sum(-1)
+    assert (np.abs(total - 1.0) <= sharing.sum_bound(sharing.PROBES)).all()

@@ -1,7 +1,8 @@
-"""How a computed direction fares against the exact one."""
+"""How computed results fare against the exact ones."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,11 +17,11 @@ WELL_CONDITIONED = 1e-5  # radians: what float32 cannot exceed there
 
 @dataclass(frozen=True)
 class Verdict:
-    """The errors of one family.
+    """The errors of n cases.
 
     Attributes:
-        error, bound: (n,) radians.
-        finite: (n,) whether all three components are finite.
+        error, bound: (n,), or (n, k) where a case has several results; radians for directions.
+        finite: (n,) whether all components are finite.
     """
 
     error: np.ndarray
@@ -30,17 +31,24 @@ class Verdict:
     @property
     def within(self) -> np.ndarray:
         """(n,) finite and within the bound."""
-        return self.finite & (self.error <= self.bound)
+        return self.finite & self._of_all(self.error <= self.bound)
 
     @property
     def visibly_wrong(self) -> np.ndarray:
         """(n,) not finite, or off by more than the bound and than anyone could overlook."""
-        return ~self.finite | (self.error > np.maximum(self.bound, VISIBLE))
+        return ~self.finite | ~self._of_all(self.error <= np.maximum(self.bound, VISIBLE))
 
-    @property
-    def well_conditioned(self) -> np.ndarray:
-        """(n,) where the bound is no more than `WELL_CONDITIONED`."""
-        return self.bound <= WELL_CONDITIONED
+    def bound_at_most(self, promised: float = WELL_CONDITIONED) -> np.ndarray:
+        """(n,) where the bound is no more than `promised`."""
+        return self._of_all(self.bound <= promised)
+
+    def _of_all(self, holds: np.ndarray) -> np.ndarray:
+        return holds.reshape(len(self.finite), -1).all(-1)
+
+
+def side_by_side(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """Results of n cases as one array (n, k)."""
+    return np.concatenate([array.reshape(len(array), -1) for array in arrays], -1)
 
 
 def judge(cases: Cases, direction: np.ndarray) -> Verdict:

@@ -101,7 +101,9 @@ def test_captures_see_nothing_of_the_own_lobe(limit: float | None) -> None:
 def test_what_grows_too_rough_is_handed_over_without_a_step() -> None:
     roughness = np.linspace(0.0, 1.0, 1001)
     inputs = {"Coverage": 1.0, "Diffuse Depth": 0.0, "Captured": 0.0, "Roughness": roughness}
-    share = evaluate(choice.own_share(0.6).outputs, inputs)["Share"]
+    found = evaluate(choice.own_share(0.6).outputs, inputs)
+    share = found["Share"]
+    np.testing.assert_allclose(found["Covered"] + share, 1.0, atol=ROUNDOFF)
     assert not share[roughness <= 0.54].any() and (share[roughness >= 0.6] == 1.0).all()
     assert np.abs(np.diff(share)).max() < 0.02
     only_mirrors = evaluate(choice.own_share(0.0).outputs, {**inputs, "Roughness": 0.0})["Share"]

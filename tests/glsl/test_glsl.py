@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import subprocess
 from pathlib import Path
@@ -22,11 +21,11 @@ from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.effects.roughness import mixed_formula
 from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
 from pcc_addon.core.expression import Formula, random, vector
-from tests.conformance.reference import angle
+from tests.conformance.subjects import SUBJECTS, Subject
 from tests.core.boxes import directions
 from tests.glsl.shaders import run, vertex_shader
+from tests.vectors.ours import Check, checks
 
-VECTORS = Path(__file__).parents[1] / "vectors" / "lookup.json"
 LOOKUPS = [LookupEffects(c, o) for c in Correction for o in (*Outside, None) if c is not Correction.NONE]
 LOOKUPS += [LookupEffects(c, Outside.UNCORRECTED, False, stretched=True) for c in Correction]
 LOOKUPS += [LookupEffects(Correction.ORIENTED_BOX, Outside.OWN, hardening=True)]
@@ -38,6 +37,7 @@ FORMULAS = [
     dominant((dielectric_facets(1.5), METAL)),
     interior(Interior((RoomPicture(), RoomPicture(capture=(0.1, 0.2, 0.3))), middle=True, curtains=True)),
     interior(Interior((RoomPicture(),), Cells.UV)),
+    *(subject.formula for subject in SUBJECTS if subject.kind in {"seen through", "shares"}),
     surface_formula(SurfaceEffects((Multiscatter(), Dielectric.of(1.5, None), Metal(tinted=True)))),
 ]
 
@@ -65,24 +65,17 @@ def driver() -> None:
         pytest.skip(f"no OpenGL here: {error}")
 
 
-def test_it_passes_the_published_vectors(driver: None) -> None:
-    cases = json.loads(VECTORS.read_text(encoding="utf-8"))["cases"]
-    column = {name: np.array([case[name] for case in cases]) for name in cases[0] if name != "family"}
-    inputs = {
-        "Position": column["position"],
-        "Incoming": column["incoming"],
-        "Normal": column["normal"],
-        "Box Centre": column["centre"],
-        **{f"Face Normal {axis}": column["face_normals"][:, k] for k, axis in enumerate("XYZ")},
-        "Half Widths": column["half_widths"],
-        "Capture Point": column["capture_point"],
-    }
-    for name, effects in (
-        ("", LookupEffects(Correction.ORIENTED_BOX, None, True)),
-        ("stretched_", LookupEffects(Correction.ORIENTED_BOX, None, False, stretched=True)),
-    ):
-        found = run(Formula("Reflection lookup", lookup.lookup(effects)), inputs)["Direction"].astype(np.float64)
-        assert (angle(found, column[f"{name}direction"]) <= column[f"{name}tolerance"]).all()
+@pytest.mark.parametrize("check", checks(), ids=str)
+def test_it_passes_the_published_vectors(driver: None, check: Check) -> None:
+    met = check.met(run(check.formula, check.inputs))
+    assert met.all(), np.flatnonzero(~met)
+
+
+@pytest.mark.parametrize("subject", SUBJECTS, ids=str)
+def test_it_stays_within_the_bound_on_the_families_of_hard_cases(driver: None, subject: Subject) -> None:
+    cases, where = subject.together(256)
+    verdict = subject.judge(cases, run(subject.formula, cases.inputs()))
+    assert verdict.within.all(), {name: int((~verdict.within[part]).sum()) for name, part in where.items()}
 
 
 def points(count: int) -> dict[str, np.ndarray]:

@@ -8,6 +8,7 @@ _LOBES = ("tests/core/test_plan.py", *_REFLECTANCE)
 _TWINS = ("tests/blender/test_twin_nodes.py", "tests/blender/test_live.py")
 _GROUPS = ("tests/blender/test_probe_group.py", "tests/blender/test_drivers.py", "tests/blender/test_live.py")
 _MATERIALS = ("tests/blender/test_read_materials.py", "tests/blender/test_twin_refused.py")
+_SUBJECTS = "tests/conformance/test_subjects.py"
 
 SUITES: dict[str, tuple[str, ...]] = {
     "core/belonging.py": ("tests/core/test_belonging.py", *_PLAN),
@@ -22,9 +23,9 @@ SUITES: dict[str, tuple[str, ...]] = {
     "core/picture_files.py": ("tests/core/test_picture_files.py",),
     "core/readings.py": _PLAN,
     "core/effects/by_hand.py": ("tests/core/test_by_hand.py", "tests/blender/test_by_hand.py"),
-    "core/effects/choice.py": ("tests/core/test_coverage.py",),
+    "core/effects/choice.py": ("tests/core/test_coverage.py", _SUBJECTS),
     "core/effects/dielectric.py": _LOBES,
-    "core/effects/dominant.py": ("tests/core/test_dominant.py",),
+    "core/effects/dominant.py": ("tests/core/test_dominant.py", _SUBJECTS),
     "core/effects/fresnel.py": _REFLECTANCE,
     "core/effects/glossy.py": _LOBES,
     "core/effects/interior.py": ("tests/core/test_interior.py",),
@@ -45,9 +46,9 @@ SUITES: dict[str, tuple[str, ...]] = {
         "tests/core/test_formula.py",
         "tests/core/test_plan.py",
     ),
-    "core/effects/roughness.py": ("tests/core/test_roughness.py",),
+    "core/effects/roughness.py": ("tests/core/test_roughness.py", _SUBJECTS),
     "core/effects/surface.py": _LOBES,
-    "core/effects/transmission.py": ("tests/core/test_transmission.py", "tests/core/test_plan.py"),
+    "core/effects/transmission.py": ("tests/core/test_transmission.py", "tests/core/test_plan.py", _SUBJECTS),
     "core/cubemap.py": ("tests/core/test_cubemap.py",),
     "core/equirect.py": ("tests/core/test_equirect.py", "tests/core/test_seams.py"),
     "core/expression.py": ("tests/core/test_expression.py", "tests/core/test_formula.py"),

@@ -102,7 +102,7 @@ class Lobe:
         Args:
             facets: which reflect it.
         """
-        first, second, third = _by_powers(_lean_fit(facets, self.distribution), self.roughness)
+        first, second, third = _by_powers(lean_fit(facets, self.distribution), self.roughness)
         v = self.grazing
         return self.alpha * v * multiply_add(v, multiply_add(v, third, second), first)
 
@@ -210,7 +210,8 @@ def _cosine_fit(curve: Curve, f0: float, distribution: Distribution) -> Coeffici
 
 
 @cache
-def _lean_fit(facets: Facets, distribution: Distribution) -> Coefficients:
+def lean_fit(facets: Facets, distribution: Distribution) -> Coefficients:
+    """The coefficients of `Lobe.lean`: of `grazing`, its square and its cube, each times alpha."""
     cosine, roughness = np.array(_PAIRS).T
     tilt = np.array([_TILT * mean_tilt(c, r, facets, _SAMPLES[distribution], distribution) for c, r in _PAIRS])
     angle = np.arccos(np.minimum(cosine, 1.0 - 1e-4))  # head-on there is nothing to tilt

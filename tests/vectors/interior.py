@@ -1,18 +1,14 @@
-"""Writes interior.json: python3 dev.py run tests/vectors/make_interior.py"""
+"""Interior mapping: interior.json."""
 
 from __future__ import annotations
-
-import json
-from pathlib import Path
 
 import numpy as np
 
 from pcc_addon.core.backends.hashing import random
 from tests.conformance.interior import FAMILIES, Panes, cases, direction_bound, exact
 
-from .make import ILL_POSED
+from .vector_file import Record, VectorFile, digits, first, tolerance
 
-FILE = Path(__file__).with_name("interior.json")
 PER_FAMILY, KEYS = 12, 24
 
 ABOUT = [
@@ -30,26 +26,24 @@ ABOUT = [
 ]
 
 
-def text() -> str:
-    """The file's text."""
-    lines = [json.dumps(record) for name in FAMILIES for record in _records(name, _some(name))]
+def sections() -> dict[str, list[Record]]:
     rng = np.random.default_rng(77)
     keys = np.concatenate([rng.integers(-99, 99, (KEYS // 2, 3)), rng.normal(size=(KEYS // 2, 3))]).astype(np.float32)
     numbers = random(keys).astype(np.float64)
-    noise = [json.dumps({"key": k.tolist(), "random": n.tolist()}) for k, n in zip(keys, numbers, strict=True)]
-    parts = [json.dumps({"about": ABOUT}, indent=1)[:-2]]
-    parts += [f' "{name}": [\n  ' + ",\n  ".join(part) + "\n ]" for name, part in (("cases", lines), ("random", noise))]
-    return ",\n".join(parts) + "\n}\n"
+    return {
+        "cases": [record for name in FAMILIES.names for record in _records(name, _some(name))],
+        "random": [{"key": k.tolist(), "random": n.tolist()} for k, n in zip(keys, numbers, strict=True)],
+    }
 
 
 def _some(name: str) -> Panes:
     panes = cases(name, 64)
-    return panes[np.flatnonzero(direction_bound(panes, exact(panes)) < ILL_POSED)[:PER_FAMILY]]
+    return panes[first(direction_bound(panes, exact(panes)), PER_FAMILY)]
 
 
-def _records(family: str, panes: Panes) -> list[dict]:
+def _records(family: str, panes: Panes) -> list[Record]:
     truth = exact(panes)
-    tolerance = direction_bound(panes, truth)
+    bound = direction_bound(panes, truth)
     return [
         {
             "family": family,
@@ -60,13 +54,11 @@ def _records(family: str, panes: Panes) -> list[dict]:
             "capture": panes.capture[k].tolist(),
             "quarters": int(panes.quarters[k]),
             "mirror": int(panes.mirror[k]),
-            "direction": [float(f"{c:.12g}") for c in truth.direction[k]],
-            "tolerance": float(f"{1.01 * tolerance[k]:.3g}"),
+            "direction": digits(truth.direction[k], 12),
+            "tolerance": tolerance(bound[k]),
         }
         for k in range(len(panes))
     ]
 
 
-if __name__ == "__main__":
-    FILE.write_text(text(), encoding="utf-8")
-    print(FILE)
+FILE = VectorFile("interior.json", ABOUT, ("place", "ray", "size", "half_edges", "capture"), sections)
