@@ -41,6 +41,9 @@ _FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
 _ARGUMENTS = "given = zip(formula.inputs, expr.calls.arguments, strict=True)"
 _SINK = 'emitter.layout.add(sink, max(depths, default=0), "")'
 _OF_NUMBERS = "elif all(part.width == 1 for part in (expr, *expr.args)):"
+_LEFT = 'axes = ", ".join(axis for axis, width in zip("XYZ", left, strict=True) if not width > 0.0)'
+_SIDE = "root = sqrt(b * b - 4.0 * a * c) * (minimum(sign(i_x), 0.0) * -2.0 - 1.0)"
+_READ = 'return Path(path).read_text(encoding="utf-8").strip()'
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -72,6 +75,14 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/prefilter.py", _ROW, "n=width", ""): "NumPy's own default: a row has an even number of texels",
     ("core/radiance.py", _CLEANED, "nan=0.0", ""): "NumPy's own default",
     ("core/radiance.py", _CLEANED, "neginf=0.0", ""): "the smallest number is clipped to 0 too",
+    ("core/influence.py", _LEFT, "strict=True", ""): "both have three",
+    ("core/sequence.py", "Point = tuple[float, float, float]", "float", ""): "an alias for type checkers",
+    ("core/workplace.py", _READ, "'utf-8'", "'utf-8?'"): "Python takes it for the same name",
+    (
+        "core/effects/normal.py", _SIDE,
+        "sqrt(b * b - 4.0 * a * c) * (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
+        "sqrt(b * b - 4.0 * a * c) / (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
+    ): "by 1 or -1",
     ("core/cubemap.py", _FACE_OF, "-1", "1"): "the last axis of two",
     ("core/ggx.py", _GRID, "indexing='ij'", ""): "the same samples in another order",
     ("core/ggx.py", _AVERAGES, "96", "97"): "as many points of a quadrature",

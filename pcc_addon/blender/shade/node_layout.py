@@ -1,6 +1,8 @@
-"""Where the nodes of a group stand: left to right by what they need, each section in a framed lane of its own."""
+"""Where nodes of ours stand: left to right by what they need, none over another, sections of groups in framed lanes."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import bpy
 
@@ -60,6 +62,32 @@ class NodeLayout:
         frame = self._tree.nodes.new("NodeFrame")
         frame.name = frame.label = section
         return frame
+
+
+def spread(tree: bpy.types.ShaderNodeTree, nodes: Sequence[bpy.types.Node]) -> None:
+    """Move nodes of a tree as far right and down as it takes to have each right of what feeds it and none over another.
+
+    What stands higher stays; of two at one height, the one that comes first.
+    """
+    feeding: dict[bpy.types.Node, list[bpy.types.Node]] = {node: [] for node in nodes}
+    for link in tree.links:
+        if link.to_node in feeding and link.from_node in feeding:
+            feeding[link.to_node].append(link.from_node)
+    lefts: dict[bpy.types.Node, float] = {}
+
+    def left(node: bpy.types.Node) -> float:
+        if node not in lefts:
+            lefts[node] = max([node.location.x, *(left(n) + n.width + _COLUMN_GAP for n in feeding[node])])
+        return lefts[node]
+
+    taken: list[tuple[float, float, float, float]] = []  # top, bottom, left, right, with the gaps beside them
+    for node in sorted(nodes, key=lambda node: -node.location.y):
+        start, end, top, high = left(node), left(node) + node.width + _GAP, node.location.y, height(node) + _GAP
+        for upper, lower, first, last in sorted(taken, reverse=True):
+            if first < end and start < last and lower < top and top - high < upper:
+                top = lower
+        taken.append((top, top - high, start, end))
+        node.location = (start, top)
 
 
 def height(node: bpy.types.Node) -> float:

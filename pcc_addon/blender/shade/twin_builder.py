@@ -6,7 +6,8 @@ import bpy
 
 from .. import marks
 from ..read.nodes import Scope, group_output, source
-from .sketch import Sketch
+from .node_layout import spread
+from .sketch import Sketch, placed
 from .surface_builder import PROBE, SurfaceBuilder
 from .twin_order import TwinOrder
 
@@ -71,4 +72,5 @@ class TwinBuilder:
             feeding = builder.twin(socket)
             if feeding is not None:
                 tree.links.new(feeding, socket)
+        spread(tree, placed(tree))
         return tree
