@@ -137,5 +137,8 @@ def test_nodes_stand_behind_what_they_need_and_sections_in_frames() -> None:
     emit(tree, {"Result": outer.content * 1.0 + Section("Other", B * T), "Outer": outer})
     for link in tree.links:
         assert link.from_node.location_absolute.x < link.to_node.location_absolute.x
+    places = {node.location_absolute.x for node in of_kind(tree, "VectorMath")}
+    [given] = [node for node in tree.nodes if node.bl_idname == "NodeGroupInput"]
+    assert given.location_absolute.x + given.width < min(places) == 0.0
     framed = {(node.operation, node.parent.label if node.parent else "") for node in of_kind(tree, "VectorMath")}
     assert ("ADD", "Inner") in framed and ("SCALE", "Other") in framed and ("MULTIPLY_ADD", "") not in framed

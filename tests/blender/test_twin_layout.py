@@ -111,11 +111,14 @@ def test_probes_stand_below_each_other_in_the_order_of_their_rows(several) -> No
 
 def test_nodes_that_have_room_stay_where_they_are() -> None:
     tree = bpy.data.node_groups.new("Roomy", "ShaderNodeTree")
-    first, second, below = (tree.nodes.new("ShaderNodeMath") for _ in range(3))
-    first.location, second.location, below.location = (0.0, 0.0), (300.0, 0.0), (0.0, -500.0)
+    nodes = first, second, *_ = [tree.nodes.new("ShaderNodeMath") for _ in range(4)]
     tree.links.new(first.outputs[0], second.inputs[0])
-    spread(tree, [below, second, first])
-    assert [tuple(n.location) for n in (first, second, below)] == [(0.0, 0.0), (300.0, 0.0), (0.0, -500.0)]
+    space = (first.width + 30.0, height(first) + 30.0)
+    places = [(0.0, 0.0), (300.0, -20.0), (-space[0], 0.0), (0.0, -space[1])]
+    for node, place in zip(nodes, places, strict=True):
+        node.location = place
+    spread(tree, nodes[::-1])
+    assert [tuple(node.location) for node in nodes] == places
 
 
 def test_of_two_at_one_place_the_first_stays_and_what_reads_moves_right() -> None:

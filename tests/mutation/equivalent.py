@@ -44,6 +44,10 @@ _OF_NUMBERS = "elif all(part.width == 1 for part in (expr, *expr.args)):"
 _LEFT = 'axes = ", ".join(axis for axis, width in zip("XYZ", left, strict=True) if not width > 0.0)'
 _SIDE = "root = sqrt(b * b - 4.0 * a * c) * (minimum(sign(i_x), 0.0) * -2.0 - 1.0)"
 _READ = 'return Path(path).read_text(encoding="utf-8").strip()'
+_VIEW = (
+    'MIRRORED_VIEW = Formula("Mirrored View", '
+    '{"Direction": reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0})'
+)
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -83,6 +87,15 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
         "sqrt(b * b - 4.0 * a * c) * (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
         "sqrt(b * b - 4.0 * a * c) / (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
     ): "by 1 or -1",
+    ("core/effects/dominant.py", _GRAZING, "1e-12", "1.5e-12"): "as good as 0",
+    (
+        "core/effects/shading.py", "transmittance: Expr = field(default_factory=lambda: lift(0.0))", "0.0", "1.0",
+    ): "nobody reads it before a transmission says what it is",
+    (
+        "core/effects/by_hand.py", _VIEW,
+        "reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0",
+        "reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) / -1.0",
+    ): "by -1",
     ("core/cubemap.py", _FACE_OF, "-1", "1"): "the last axis of two",
     ("core/ggx.py", _GRID, "indexing='ij'", ""): "the same samples in another order",
     ("core/ggx.py", _AVERAGES, "96", "97"): "as many points of a quadrature",

@@ -10,8 +10,6 @@ _COLUMN_GAP, _GAP, _LANE = 60.0, 30.0, 90.0
 _HEIGHTS = {
     "ShaderNodeMath": 150.0,
     "ShaderNodeVectorMath": 150.0,
-    "ShaderNodeSeparateXYZ": 130.0,
-    "ShaderNodeCombineXYZ": 130.0,
     "ShaderNodeTexEnvironment": 240.0,
 }
 _HEAD, _SOCKET = 50.0, 22.0
