@@ -77,6 +77,21 @@ def test_bakes_that_were_replaced_before_any_save_go_at_once(blend: Path) -> Non
     assert files(blend) == first | third
 
 
+def test_files_of_pictures_that_were_packed_before_any_save_go_at_once(blend: Path) -> None:
+    kept, new = files(blend), rebaked(32)
+    for level in the_probe().pcc_probe.levels:
+        level.image.pack()
+    save(blend)
+    assert new and not new & files(blend) and files(blend) == kept, "the backup shows the first"
+
+
+def test_images_whose_path_names_no_file_are_no_fault(blend: Path) -> None:
+    bpy.data.images.new("Nowhere", 4, 4).filepath = "/"
+    second = rebaked(32)
+    leftovers.after_save(blend)
+    assert second <= files(blend)
+
+
 def test_a_bake_that_is_not_saved_takes_nothing_away(blend: Path) -> None:
     before = picture(the_probe()).copy()
     rebaked(32)

@@ -41,6 +41,7 @@ from tests.blender.materials import (
     shiny,
     show,
     textured,
+    with_own_settings,
 )
 from tests.blender.receivers import coated, glossy, mixed, muted, nested, one_shader_twice, outputs_of_each_engine
 
@@ -448,6 +449,13 @@ def test_glass_reads_other_levels_once_its_roughness_calls_for_them_behind_it_al
     lit = called(material, "Reflectance")[0]
     after = {name: fed(lit, name)[0].label for name in before}
     assert after["Radiance"] == before["Radiance"] and after["Transmitted Radiance"] != before["Transmitted Radiance"]
+
+
+def test_a_copied_node_has_the_settings_of_its_original(probe) -> None:
+    material = injected(with_own_settings())
+    [copy] = ours(material, "ShaderNodeBsdfPrincipled")
+    assert (copy.distribution, copy.subsurface_method) == ("GGX", "RANDOM_WALK_SKIN")
+    assert copy.name != principled_node(material).name and copy.label == ""
 
 
 def axis_of(item: bpy.types.Object, socket: bpy.types.NodeSocket) -> np.ndarray:

@@ -64,7 +64,7 @@ class Sketch:
 
     def give(self, socket: bpy.types.NodeSocket, value: bpy.types.NodeSocket | float) -> None:
         """Feed an input by an output, or set its number."""
-        if isinstance(value, (int, float)):
+        if isinstance(value, float):
             socket.default_value = value
         else:
             self.link(value, socket)
