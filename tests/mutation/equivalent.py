@@ -48,6 +48,17 @@ _VIEW = (
     'MIRRORED_VIEW = Formula("Mirrored View", '
     '{"Direction": reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0})'
 )
+_STEP = "if self.ior is not None and abs(self.ior - 1.0) < _NO_STEP:"
+_LEAVING = 'leaving = Section("Far side", normalize(AXIS_X * far.x + AXIS_Y * far.y + AXIS_Z * far.z) * -1.0)'
+_BOX_AXES = 'axes = dict(zip("XYZ", matrix[:3, :3].T, strict=True))'
+_UPRIGHT = 'up = axes["Z"] * (-1.0 if axes["Z"][2] < 0.0 else 1.0)'
+_INPUTS = "for old, new in zip(node.inputs, copy.inputs, strict=True):"
+_POINTS = "for theirs, ours in zip(curve.keyframe_points, made.keyframe_points, strict=True):"
+_PAIRS = "pairs = zip(found, values, strict=True)"
+_KEYS = "for level, key in zip(levels, keys, strict=True)"
+_RECORD = (
+    'return {level.file for level in sidecar.Sidecar.from_json(path.read_text(encoding="utf-8"), path.name).levels}'
+)
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -96,6 +107,28 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
         "reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0",
         "reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) / -1.0",
     ): "by -1",
+    (
+        "core/effects/transmission.py", _STEP, "abs(self.ior - 1.0) < _NO_STEP", "abs(self.ior - 1.0) <= _NO_STEP",
+    ): "no index is just so far from 1",
+    (
+        "core/effects/transmission.py", _LEAVING,
+        "normalize(AXIS_X * far.x + AXIS_Y * far.y + AXIS_Z * far.z) * -1.0",
+        "normalize(AXIS_X * far.x + AXIS_Y * far.y + AXIS_Z * far.z) / -1.0",
+    ): "by -1",
+    ("core/window.py", _BOX_AXES, "strict=True", ""): "both are three",
+    (
+        "core/window.py", _UPRIGHT,
+        "axes['Z'] * (-1.0 if axes['Z'][2] < 0.0 else 1.0)", "axes['Z'] / (-1.0 if axes['Z'][2] < 0.0 else 1.0)",
+    ): "by 1 or -1",
+    (
+        "core/window.py", _UPRIGHT, "axes['Z'][2] < 0.0", "axes['Z'][2] <= 0.0",
+    ): "neither end of a level axis is higher",
+    ("blender/shade/sketch.py", _INPUTS, "strict=True", ""): "a node's copy has as many inputs",
+    ("blender/shade/sketch.py", _INPUTS, "True", "False"): "a node's copy has as many inputs",
+    ("blender/shade/animation.py", _POINTS, "strict=True", ""): "as many points were added",
+    ("blender/shade/playback.py", _PAIRS, "strict=True", ""): "a value was made for each change",
+    ("blender/store/sequences.py", _KEYS, "True", "False"): "a key was made for each",
+    ("blender/store/leftovers.py", _RECORD, "encoding='utf-8'", ""): "records are ASCII",
     ("core/cubemap.py", _FACE_OF, "-1", "1"): "the last axis of two",
     ("core/ggx.py", _GRID, "indexing='ij'", ""): "the same samples in another order",
     ("core/ggx.py", _AVERAGES, "96", "97"): "as many points of a quadrature",
