@@ -31,7 +31,11 @@ SUITES: dict[str, tuple[str, ...]] = {
         "tests/glsl/test_glsl.py",
     ),
     "core/backends/glsl.py": ("tests/glsl/test_glsl.py",),
-    "core/backends/hashing.py": ("tests/vectors/test_interior_vectors.py", "tests/glsl/test_glsl.py"),
+    "core/backends/hashing.py": (
+        "tests/core/test_hashing.py",
+        "tests/vectors/test_interior_vectors.py",
+        "tests/glsl/test_glsl.py",
+    ),
     "core/effects/by_hand.py": ("tests/core/test_by_hand.py", "tests/blender/test_by_hand.py"),
     "core/effects/choice.py": ("tests/core/test_coverage.py",),
     "core/effects/dielectric.py": _LOBES,
