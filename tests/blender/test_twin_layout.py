@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import bpy
 import pytest
@@ -12,9 +12,9 @@ from pcc_addon.blender.shade.node_layout import height, spread
 from sample_blends.scenes import principled, principled_node
 from tests.blender.helpers import pretend_bake, put_in, small_probe
 from tests.blender.materials import Material, image_texture, link, normal_mapped, shiny, show
+from tests.blender.places import check_places, inner_links
 from tests.blender.receivers import coated, glossy, mixed, nested, outputs_of_each_engine
 
-GAP = 25.0  # at least, between what stands beside or below each other
 WIDEST_HOLE = 400.0  # between what is fed and the nearest of what feeds it: about two nodes
 
 
@@ -30,20 +30,6 @@ def rough_by_texture() -> Material:
 
 def placed(tree: bpy.types.ShaderNodeTree) -> list[bpy.types.Node]:
     return [node for node in tree.nodes if marks.role(node) not in (None, "frame")]
-
-
-def inner_links(nodes: Sequence[bpy.types.Node]) -> list[tuple[bpy.types.Node, bpy.types.Node]]:
-    tree = nodes[0].id_data
-    return [(each.from_node, each.to_node) for each in tree.links if {each.from_node, each.to_node} <= set(nodes)]
-
-
-def overlap(one: bpy.types.Node, other: bpy.types.Node) -> bool:
-    """Whether two nodes come nearer to each other than a gap, aside and up or down."""
-    left, right = sorted((one, other), key=lambda node: node.location.x)
-    upper, lower = sorted((one, other), key=lambda node: -node.location.y)
-    beside = left.location.x + left.width + GAP <= right.location.x
-    below = upper.location.y - height(upper) - GAP >= lower.location.y
-    return not beside and not below
 
 
 @pytest.fixture
@@ -67,9 +53,7 @@ def test_nodes_run_left_to_right_and_none_lies_over_another(several, build: Call
     found = [nodes for nodes in map(placed, trees) if nodes]
     assert sum(map(len, found)) > 10
     for nodes in found:
-        for source, sink in inner_links(nodes):
-            assert source.location.x + source.width + GAP <= sink.location.x, (source.label, sink.label)
-        assert not [(a.name, b.name) for k, a in enumerate(nodes) for b in nodes[:k] if overlap(a, b)]
+        check_places(nodes)
 
 
 @pytest.mark.parametrize("build", [shiny, glass, rough_by_texture])

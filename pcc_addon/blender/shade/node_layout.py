@@ -28,8 +28,14 @@ class NodeLayout:
         return depth + 1
 
     def arrange(self) -> None:
-        """Give every node its place, and every section its frame."""
+        """Give every node its place, and every section its frame; what is not noted here stands before all others."""
         starts = self._columns()
+        noted = {node for columns in self._lanes.values() for nodes in columns.values() for node in nodes}
+        before = [node for node in self._tree.nodes if node not in noted and node.bl_idname != "NodeFrame"]
+        spread(self._tree, before)
+        end = max((node.location.x + node.width for node in before), default=0.0)
+        for node in before:
+            node.location.x += min(starts.values()) - _COLUMN_GAP - end
         top = 0.0
         for section, columns in self._lanes.items():
             lowest = top
