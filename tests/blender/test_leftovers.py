@@ -195,9 +195,12 @@ def test_a_deleted_probes_pictures_go_and_others_stay(blend: Path) -> None:
 
 
 def test_a_renamed_probes_old_files_go(blend: Path) -> None:
+    old = set(blend.with_suffix(".pcc").iterdir())
     the_probe().name = "Hall"
     bake(the_probe("Hall"))
-    save(blend), save(blend)
+    save(blend)
+    assert old < set(blend.with_suffix(".pcc").iterdir()), "the backup shows them, and the sidecar describes them"
+    save(blend)
     assert all(path.name.startswith("Hall-") for path in blend.with_suffix(".pcc").iterdir())
 
 
