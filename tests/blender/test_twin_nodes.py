@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Callable
 
 import bpy
@@ -448,6 +449,10 @@ def test_glass_reads_other_levels_once_its_roughness_calls_for_them_behind_it_al
     put_in()
     lit = called(material, "Reflectance")[0]
     after = {name: fed(lit, name)[0].label for name in before}
+    [behind] = [n for n in called(material, "Levels") if n.label == after["Transmitted Radiance"]]
+    narrowing = math.sqrt((1.0 - 1.0 / 1.5) / 2.0)  # Walter et al. 2007: of a mirror that spreads as one interface does
+    low, high = neighbours(LADDER, 0.59 * narrowing, 0.59 * narrowing)
+    assert f"{LADDER[low] / narrowing:.3g} {LADDER[high] / narrowing:.3g}" in behind.label
     assert after["Radiance"] == before["Radiance"] and after["Transmitted Radiance"] != before["Transmitted Radiance"]
 
 

@@ -59,6 +59,7 @@ _KEYS = "for level, key in zip(levels, keys, strict=True)"
 _RECORD = (
     'return {level.file for level in sidecar.Sidecar.from_json(path.read_text(encoding="utf-8"), path.name).levels}'
 )
+_MIXED = 'mix = self._new("ShaderNodeMixShader", right=right, row=row)'
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -123,6 +124,7 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     (
         "core/window.py", _UPRIGHT, "axes['Z'][2] < 0.0", "axes['Z'][2] <= 0.0",
     ): "neither end of a level axis is higher",
+    ("blender/shade/surface_builder.py", _MIXED, "right=right", ""): "`spread` puts it right of what feeds it anyway",
     ("blender/shade/sketch.py", _INPUTS, "strict=True", ""): "a node's copy has as many inputs",
     ("blender/shade/sketch.py", _INPUTS, "True", "False"): "a node's copy has as many inputs",
     ("blender/shade/animation.py", _POINTS, "strict=True", ""): "as many points were added",
