@@ -137,6 +137,10 @@ def test_every_socket_is_documented(probe) -> None:
 def test_nodes_of_groups_have_room(probe) -> None:
     for tree in (by_hand.group_for(probe), by_hand.mirrored_view_group()):
         check_places(drawn(tree))
+    view = by_hand.mirrored_view_group()
+    geometry = view.nodes["Geometry"]
+    first = min(node.location.x for node in drawn(view) if node != geometry)
+    assert 0.0 < first - (geometry.location.x + geometry.width) < 100.0
 
 
 def test_the_mirrored_view_mirrors_in_what_is_linked(scene) -> None:

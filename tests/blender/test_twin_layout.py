@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import bpy
 import pytest
@@ -106,8 +107,26 @@ def test_nodes_that_have_room_stay_where_they_are() -> None:
     places = [(0.0, 0.0), (300.0, -20.0), (-space[0], 0.0), (0.0, -space[1])]
     for node, place in zip(nodes, places, strict=True):
         node.location = place
-    spread(tree, nodes[::-1])
-    assert [tuple(node.location) for node in nodes] == places
+    for order in (nodes, nodes[::-1]):
+        spread(tree, order)
+        assert [tuple(node.location) for node in nodes] == places
+
+
+def test_many_ways_through_a_tree_are_gone_once() -> None:
+    """Otherwise this takes 2⁴⁰ steps."""
+    tree = bpy.data.node_groups.new("Braid", "ShaderNodeTree")
+    nodes = [tree.nodes.new("ShaderNodeMath") for _ in range(41)]
+    for before, after in pairwise(nodes):
+        for k in range(2):
+            tree.links.new(before.outputs[0], after.inputs[k])
+    spread(tree, nodes)
+    check_places(nodes)
+
+
+def test_a_node_that_chooses_a_picture_is_higher_than_its_sockets() -> None:
+    tree = bpy.data.node_groups.new("Picture", "ShaderNodeTree")
+    chooser, combine = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexEnvironment", "CombineXYZ"))
+    assert len(chooser.inputs) < len(combine.inputs) and height(chooser) > height(combine)
 
 
 def test_of_two_at_one_place_the_first_stays_and_what_reads_moves_right() -> None:
