@@ -25,6 +25,7 @@ from pcc_addon.core.probe import Receivers
 from pcc_addon.ui import by_hand as ui
 from sample_blends.scenes import add_wall, emissive
 from tests.blender.helpers import ROOM, bake, paint_wall, picture, pretend_bake, put_in, small_probe, small_room
+from tests.blender.places import check_places, drawn
 from tests.core.boxes import directions
 from tests.shader_harness import evaluate_group
 
@@ -131,6 +132,15 @@ def test_every_socket_is_documented(probe) -> None:
     tree = by_hand.group_for(probe)
     outputs = [item.name for item in tree.interface.items_tree if item.in_out == "OUTPUT"]
     assert outputs == ["Radiance", "Weight", "Distance"] and tree.name == "PCC Probe"
+
+
+def test_nodes_of_groups_have_room(probe) -> None:
+    for tree in (by_hand.group_for(probe), by_hand.mirrored_view_group()):
+        check_places(drawn(tree))
+    view = by_hand.mirrored_view_group()
+    geometry = view.nodes["Geometry"]
+    first = min(node.location.x for node in drawn(view) if node != geometry)
+    assert 0.0 < first - (geometry.location.x + geometry.width) < 100.0
 
 
 def test_the_mirrored_view_mirrors_in_what_is_linked(scene) -> None:

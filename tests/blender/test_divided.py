@@ -36,6 +36,10 @@ def floors() -> list[bpy.types.Object]:
     return [bpy.data.objects[f"Floor {k}"] for k in range(ROOMS)]
 
 
+def floors_left() -> list[bpy.types.Object]:
+    return [item for item in bpy.data.objects if item.name.startswith("Floor")]
+
+
 def worn() -> list[bpy.types.Material]:
     return [item.material_slots[0].material for item in floors()]
 
@@ -86,6 +90,18 @@ def test_injecting_again_uses_the_copies_and_leaves_nothing_behind(rooms) -> Non
     assert len(copies.all_copies()[rooms]) == ROOMS - 1
 
 
+def test_copies_that_no_room_calls_for_any_more_are_taken_back(rooms) -> None:
+    put_in()
+    for k in range(2, ROOMS):
+        bpy.data.objects.remove(bpy.data.objects[f"Room {k}"])
+    for item in floors()[2:]:
+        item.data = item.data.copy()
+        bpy.data.objects.remove(item)
+    put_in()
+    assert not copies.all_copies() and [m.name for m in bpy.data.materials] == ["Floor"]
+    assert [item.material_slots[0].material for item in floors_left()] == [rooms] * 2 and len(shows(rooms)) == 2
+
+
 def test_a_file_opened_without_knowledge_keeps_slots_and_original(rooms, tmp_path: Path) -> None:
     put_in()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rooms.blend"))
@@ -118,6 +134,11 @@ def test_copies_follow_an_original_that_is_built_differently(rooms) -> None:
 
 
 def test_a_copy_that_is_built_differently_stays_where_it_is(rooms) -> None:
+    slot = floors()[1].material_slots[0]
+    slot.link = "OBJECT"
+    slot.material = principled("Hidden")
+    slot.link = "DATA"
+    before = [{*item.keys()} for item in floors()]
     put_in()
     own = worn()[1]
     noise = own.node_tree.nodes.new("ShaderNodeTexNoise")
@@ -126,6 +147,7 @@ def test_a_copy_that_is_built_differently_stays_where_it_is(rooms) -> None:
     remove()
     assert worn() == [rooms, own, rooms, rooms] and not marks.is_copy(own)
     assert not any(marks.role(node) for node in own.node_tree.nodes)
+    assert [{*item.keys()} for item in floors()] == before, "no note is left on the objects"
 
 
 def test_injecting_does_not_make_a_bake_stale(rooms) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from pcc_addon.blender.shade.node_builder import Surroundings, emit
 from pcc_addon.core.expression import Expr, Formula, Sample, Section, combine, dot, lift, scalar, vector
+from tests.blender.places import check_places, drawn
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -135,7 +136,10 @@ def test_nodes_stand_behind_what_they_need_and_sections_in_frames() -> None:
     tree = group()
     outer = Section("Outer", (Section("Inner", A + B) * S) - 1.0)
     emit(tree, {"Result": outer.content * 1.0 + Section("Other", B * T), "Outer": outer})
-    for link in tree.links:
-        assert link.from_node.location_absolute.x < link.to_node.location_absolute.x
+    places = {node.location_absolute.x for node in of_kind(tree, "VectorMath")}
+    [given] = [node for node in tree.nodes if node.bl_idname == "NodeGroupInput"]
+    assert given.location_absolute.x + given.width < min(places) == 0.0
+    check_places(drawn(tree))
+    assert given.parent is None, "what is in no section is in no frame"
     framed = {(node.operation, node.parent.label if node.parent else "") for node in of_kind(tree, "VectorMath")}
     assert ("ADD", "Inner") in framed and ("SCALE", "Other") in framed and ("MULTIPLY_ADD", "") not in framed

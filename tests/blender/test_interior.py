@@ -12,8 +12,10 @@ from pcc_addon.blender import marks
 from pcc_addon.blender.shade.injection import inject
 from pcc_addon.blender.shade.interior import ROLE, SOCKETS, interior_node, room_of_probe
 from pcc_addon.core.backends.arrays import evaluate
-from pcc_addon.core.effects.interior import pane
+from pcc_addon.core.effects.interior import Cells, Interior, RoomPicture, pane
+from pcc_addon.core.effects.interior import interior as formula
 from tests.blender.helpers import bake, paint_wall, pretend_bake, small_probe, small_room
+from tests.blender.places import check_places, drawn
 from tests.core.boxes import directions
 from tests.shader_harness import evaluate_expressions
 
@@ -76,6 +78,30 @@ def test_every_socket_is_documented_and_starts_as_it_says(probe) -> None:
             assert np.allclose(value, socket.default)
     assert {item.name for item in items.values() if item.in_out == "OUTPUT"} == {"Radiance", "Cell", "Random", "Is Lit"}
     assert "Curtains" not in items and "Middle" not in items, "there are no such pictures"
+
+
+def test_sockets_have_limits_that_their_values_keep(probe) -> None:
+    tree = interior_node(window()).node_tree
+    items = {item.name: item for item in tree.interface.items_tree if item.in_out == "INPUT"}
+    for socket in SOCKETS:
+        assert socket.low < socket.high
+        assert socket.name.startswith("Tint") or all(
+            socket.low <= value <= socket.high for value in np.ravel(socket.default)
+        )
+        if socket.name in items and not socket.name.startswith("Tint"):
+            item = items[socket.name]
+            np.testing.assert_allclose((item.min_value, item.max_value), (socket.low, socket.high))
+            assert item.socket_type != "NodeSocketFloat" or item.subtype == socket.subtype
+
+
+def test_every_input_that_a_pane_does_not_have_by_itself_is_a_socket(scene) -> None:
+    asked = {name for cells in Cells for name in formula(Interior((RoomPicture(),), cells, True, True)).inputs}
+    own = {"Position", "UV", "Incoming", "Normal", "Object Scale", "Object Random"}
+    assert asked - own == {socket.name for socket in SOCKETS}
+
+
+def test_nodes_of_a_pane_have_room(probe) -> None:
+    check_places(drawn(interior_node(window()).node_tree))
 
 
 def test_selected_panes_get_the_material_and_lose_nothing(probe) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import ExitStack
 
 import bpy
 import numpy as np
@@ -81,3 +82,27 @@ def test_lamps_that_nobody_sees_have_no_stand_in(scene, kind, settings) -> None:
     scene.collection.objects.link(lamp)
     bpy.context.view_layer.update()
     assert lamps._shape(lamp, Vector((0, 0, 2)), 100.0) is None
+
+
+def test_stand_ins_glow_in_the_lamps_colour_where_it_is_and_go_again(scene) -> None:
+    lights = []
+    for name in ("Seen", "Not Rendered", "Not Reflected"):
+        light = bpy.data.lights.new(name, "POINT")
+        light.energy, light.shadow_soft_size, light.color = 5.0, 0.25, (1.0, 0.5, 0.25)
+        lights.append(bpy.data.objects.new(name, light))
+        scene.collection.objects.link(lights[-1])
+    scene.collection.objects.link(bpy.data.objects.new("Thing", bpy.data.meshes.new("Thing")))
+    lights[0].location, lights[1].hide_render, lights[2].visible_glossy = (1.0, 2.0, 3.0), True, False
+    bpy.context.view_layer.update()
+    before, blocks = set(scene.objects), (len(bpy.data.meshes), len(bpy.data.materials))
+    with ExitStack() as stack:
+        lamps.add_stand_ins(stack, scene, Vector((0.0, 0.0, 0.0)), 100.0)
+        [stand_in] = set(scene.objects) - before
+        vertices, faces, radiance = lamps._shape(lights[0], Vector((0.0, 0.0, 0.0)), 100.0)
+        assert [len(face.vertices) for face in stand_in.data.polygons] == [len(face) for face in faces]
+        np.testing.assert_allclose([v.co for v in stand_in.data.vertices], vertices, atol=1e-6)
+        [emission] = [n for n in stand_in.data.materials[0].node_tree.nodes if n.bl_idname == "ShaderNodeEmission"]
+        assert emission.inputs["Color"].default_value[:] == (1.0, 0.5, 0.25, 1.0)
+        assert emission.inputs["Strength"].default_value == pytest.approx(radiance)
+        assert not stand_in.visible_shadow and not stand_in.visible_diffuse
+    assert set(scene.objects) == before and blocks == (len(bpy.data.meshes), len(bpy.data.materials))

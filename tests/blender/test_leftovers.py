@@ -77,6 +77,21 @@ def test_bakes_that_were_replaced_before_any_save_go_at_once(blend: Path) -> Non
     assert files(blend) == first | third
 
 
+def test_files_of_pictures_that_were_packed_before_any_save_go_at_once(blend: Path) -> None:
+    kept, new = files(blend), rebaked(32)
+    for level in the_probe().pcc_probe.levels:
+        level.image.pack()
+    save(blend)
+    assert new and not new & files(blend) and files(blend) == kept, "the backup shows the first"
+
+
+def test_images_whose_path_names_no_file_are_no_fault(blend: Path) -> None:
+    bpy.data.images.new("Nowhere", 4, 4).filepath = "/"
+    second = rebaked(32)
+    leftovers.after_save(blend)
+    assert second <= files(blend)
+
+
 def test_a_bake_that_is_not_saved_takes_nothing_away(blend: Path) -> None:
     before = picture(the_probe()).copy()
     rebaked(32)
@@ -180,9 +195,12 @@ def test_a_deleted_probes_pictures_go_and_others_stay(blend: Path) -> None:
 
 
 def test_a_renamed_probes_old_files_go(blend: Path) -> None:
+    old = set(blend.with_suffix(".pcc").iterdir())
     the_probe().name = "Hall"
     bake(the_probe("Hall"))
-    save(blend), save(blend)
+    save(blend)
+    assert old < set(blend.with_suffix(".pcc").iterdir()), "the backup shows them, and the sidecar describes them"
+    save(blend)
     assert all(path.name.startswith("Hall-") for path in blend.with_suffix(".pcc").iterdir())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 from pcc_addon.blender.probes import ensure_uid
 from pcc_addon.blender.read.holders import Holders
 from pcc_addon.blender.read.probes import bake_record, probe_spec
-from pcc_addon.blender.store import pictures
+from pcc_addon.blender.store import keeping, pictures
 from pcc_addon.blender.store.levels import bake_folder, check_folder, ensure_levels, faulty_picture, store
 from pcc_addon.core.errors import BakeError
 from pcc_addon.core.prefilter import prefilter
@@ -58,6 +59,26 @@ def test_what_is_stored_is_read_back_and_described(scene, folder: Path | None) -
         files = {*(level.file for level in record.levels), *(path.name for path in folder.glob("*.json"))}
         assert {path.name for path in folder.iterdir()} == files and len(files) == 3
         assert [path.stat().st_size for path in pictures_of(probe)] == [level.size for level in record.levels]
+
+
+def test_a_picture_of_a_sequence_is_shown_as_one_and_a_still_as_a_file(scene, tmp_path: Path) -> None:
+    probe = small_probe()
+    stored(probe, tmp_path)
+    [level] = record_of(probe).levels
+    assert probe.pcc_probe.levels[0].image.source == "FILE"
+    first = replace(level, key=replace(level.key, number=0), file="other_0001.exr")
+    (tmp_path / first.file).write_bytes((tmp_path / level.file).read_bytes())
+    [image] = keeping.linked(tmp_path, [first], keeping.own_images(probe), probe).values()
+    assert image.source == "SEQUENCE" and probe.pcc_probe.levels[0].image == image
+
+
+def test_a_folder_that_another_bake_makes_at_the_same_moment_is_no_fault(tmp_path: Path, monkeypatch) -> None:
+    folder = tmp_path / "shared"
+    folder.mkdir()
+    exists = Path.exists
+    monkeypatch.setattr(Path, "exists", lambda path: path != folder and exists(path))
+    with ExitStack() as stack:
+        assert keeping.folder_for_parts(stack, folder).parent == folder
 
 
 def test_a_picture_that_is_replaced_is_replaced_wherever_it_is_shown(scene, folder: Path | None) -> None:

@@ -14,7 +14,8 @@ from pcc_addon.blender.store.levels import ensure_levels
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.probe import Receivers
-from tests.blender.helpers import small_probe
+from tests.blender.helpers import pretend_bake, small_probe
+from tests.blender.places import check_places, drawn
 
 INSIDE = Receivers(all_inside=True, seen_from_outside=False)
 
@@ -78,6 +79,15 @@ def test_the_depth_is_given_where_probes_share_and_stays_until_they_do_not(probe
     for shares, given in ((None, False), (True, True), (None, True), (False, False), (None, False)):
         probe_group.refresh_group(probe, shares=shares)
         assert ("Depth" in probe_group.outputs(group(probe))) is given
+
+
+def test_nodes_of_groups_have_room(probe) -> None:
+    probe.rotation_euler = (0.3, 0.2, 0.1)
+    pretend_bake(probe)
+    trees = [tree for tree in bpy.data.node_groups if marks.role(tree)]
+    assert probe.pcc_probe.group in trees and len(trees) > 1
+    for tree in trees:
+        check_places(drawn(tree))
 
 
 def test_a_group_is_built_in_place_and_takes_the_probes_name(probe) -> None:

@@ -18,6 +18,7 @@ from pcc_addon.blender.status import ProbeStatus, stale_probes, statuses
 from pcc_addon.blender.store.levels import bake_folder, ensure_levels
 from pcc_addon.blender.store.pictures import read_file
 from pcc_addon.core import equirect
+from pcc_addon.core.errors import BakeError
 from pcc_addon.core.frames import STILL, FrameRange
 from pcc_addon.core.pictures import LADDER
 from sample_blends.scenes import principled_node
@@ -230,6 +231,20 @@ def test_a_level_that_is_missing_is_made_for_all_frames(blinking) -> None:
     record = bake_record(blinking)
     assert sum(level.roughness == 0.5 for level in record.levels) == 2
     assert len(record.levels) == 2 * (len(LADDER) + 1) and state().state == "baked"
+
+
+def test_levels_of_a_sequence_need_all_its_captures(blinking) -> None:
+    film(blinking, FrameRange(1, 4))
+    before, folder = bake_record(blinking), bake_folder(bpy.context.scene)
+    sharp, blurred = (
+        next(level for level in before.levels if level.key.number == 1 and level.key.level == k) for k in (0, 1)
+    )
+    for level in (blurred, sharp):
+        (folder / level.file).rename(folder.parent / level.file)
+        with pytest.raises(BakeError, match=r"^probe 'Probe': a capture of its sequence is missing; bake it again$"):
+            ensure_levels(blinking, [*LADDER, 0.5], folder)
+        assert bake_record(blinking) == before
+        (folder.parent / level.file).rename(folder / level.file)
 
 
 def follow_target(scene: bpy.types.Scene) -> bpy.types.Object:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Callable
 
 import bpy
+import numpy as np
 import pytest
+from mathutils import Vector
 
 from pcc_addon.blender import marks
 from pcc_addon.blender.read.materials import read_material
@@ -27,7 +30,7 @@ from pcc_addon.core.effects.roughness import neighbours
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.plan import plan_surfaces
 from pcc_addon.core.probe import Receivers
-from sample_blends.scenes import principled, principled_node
+from sample_blends.scenes import Room, add_wall, principled, principled_node
 from tests.blender.helpers import pretend_bake, put_in, small_probe
 from tests.blender.materials import (
     Material,
@@ -41,6 +44,7 @@ from tests.blender.materials import (
     shiny,
     show,
     textured,
+    with_own_settings,
 )
 from tests.blender.receivers import coated, glossy, mixed, muted, nested, one_shader_twice, outputs_of_each_engine
 
@@ -147,8 +151,7 @@ def test_our_nodes_lie_below_the_original_and_none_is_selected(probe) -> None:
     lowest = min(n.location.y - n.height for n in material.node_tree.nodes if not marks.role(n))
     assert added and not any(node.select for node in added)
     assert all(node.location.y < lowest for node in added)
-    places = [tuple(node.location) for node in added if marks.role(node) in ("probe", "glow")]
-    assert len(set(places)) == len(places)
+    assert {node.parent.label for node in added} == {"PCC Parallax Probes"}
 
 
 def test_the_output_is_named_in_force_and_takes_the_rest_along(probe) -> None:
@@ -459,4 +462,58 @@ def test_glass_reads_other_levels_once_its_roughness_calls_for_them_behind_it_al
     put_in()
     lit = called(material, "Reflectance")[0]
     after = {name: fed(lit, name)[0].label for name in before}
+    [behind] = [n for n in called(material, "Levels") if n.label == after["Transmitted Radiance"]]
+    narrowing = math.sqrt((1.0 - 1.0 / 1.5) / 2.0)  # Walter et al. 2007: of a mirror that spreads as one interface does
+    low, high = neighbours(LADDER, 0.59 * narrowing, 0.59 * narrowing)
+    assert f"{LADDER[low] / narrowing:.3g} {LADDER[high] / narrowing:.3g}" in behind.label
     assert after["Radiance"] == before["Radiance"] and after["Transmitted Radiance"] != before["Transmitted Radiance"]
+
+
+def test_a_copied_node_has_the_settings_of_its_original(probe) -> None:
+    material = injected(with_own_settings())
+    [copy] = ours(material, "ShaderNodeBsdfPrincipled")
+    assert (copy.distribution, copy.subsurface_method) == ("GGX", "RANDOM_WALK_SKIN")
+    assert copy.name != principled_node(material).name and copy.label == ""
+
+
+def axis_of(item: bpy.types.Object, socket: bpy.types.NodeSocket) -> np.ndarray:
+    """What the nodes before an input make of an object: a vector of its own axes in the world's, of unit length."""
+    [unit] = [link.from_node for link in socket.links]
+    [turn] = [link.from_node for link in unit.inputs[0].links]
+    assert unit.operation == "NORMALIZE"
+    assert (turn.vector_type, turn.convert_from, turn.convert_to) == ("VECTOR", "OBJECT", "WORLD")
+    return np.array((item.matrix_world.to_3x3() @ Vector(turn.inputs[0].default_value)).normalized())
+
+
+def test_a_solid_of_glass_is_bent_through_along_its_own_axes_and_size(probe) -> None:
+    material = principled("Glass", Transmission_Weight=1.0, Roughness=0.0)
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.25, location=probe.location, rotation=(0.4, -0.7, 1.1))
+    ball = bpy.context.object
+    ball.scale = (1.0, 2.0, 0.5)
+    ball.data.materials.append(material)
+    bpy.context.view_layer.update()
+    put_in()
+    [way] = called(material, "Through a Solid")
+    turned = ball.matrix_world.to_3x3().normalized()
+    for k, name in enumerate("XYZ"):
+        np.testing.assert_allclose(axis_of(ball, way.inputs[f"Axis {name}"]), turned.col[k], atol=1e-6)
+    size, output = fed(way, "Dimensions")
+    assert (size.attribute_type, output) == ("OBJECT", "Vector")
+    np.testing.assert_allclose(getattr(ball, size.attribute_name), (0.5, 1.0, 0.25), rtol=1e-2)
+    assert [fed(way, name)[1] for name in ("Normal", "Incoming")] == ["Normal", "Incoming"]
+
+
+def test_how_far_the_nearest_room_is_is_found_out_once_for_all_that_ask(scene) -> None:
+    floor = shiny()
+    for k in range(4):
+        room = small_probe(f"Room {k}", (5.0 * k, 0.0, 0.0), (2.0, 1.5, 1.0))
+        pretend_bake(room)
+    add_wall(Room((10.0, 1.5, 1.0), (7.5, 0.0, 0.0), 0.0), "-Z", floor)
+    put_in()
+    assert len(called(floor, "Probe Beside")) == 3
+    depths = [fed(node, "Depth")[0] for node in called(floor, "Outside")]
+    assert len(depths) == len(set(depths)) == 3, "the last room is before none"
+    nearer = called(floor, "Nearer")
+    assert len(nearer) == 2
+    beside = called(floor, "Probe Beside")
+    assert {fed(node, "Distance")[0] for node in beside} == {called(floor, "Outside")[0], *nearer}

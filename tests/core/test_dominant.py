@@ -126,3 +126,9 @@ def test_smooth_is_what_is_known_to_be(roughness: float | None, smooth: bool) ->
     glossy = SurfaceReading(("G",), "ShaderNodeBsdfAnisotropic", (("Color", None), ("Roughness", roughness)), "GGX")
     [plan] = plan_surfaces(MaterialReading("G", (glossy,)), 0.6)
     assert plan.effects is not None and plan.effects.smooth == smooth
+
+
+def test_a_title_says_which_lobe_lies_over_which() -> None:
+    below = dielectric_facets(1.5)
+    assert dominant((below, METAL)).title.endswith(f" {METAL.label} over {below.label}")
+    assert len({dominant(f).title for f in ((below,), (METAL,), (below, METAL), (METAL, below))}) == 4

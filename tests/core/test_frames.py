@@ -66,6 +66,7 @@ def test_what_is_not_asked_for_is_as_last_baked() -> None:
         ([1, 2, 3, 7, 12, 13], "1-3, 7, 12-13"),
         ([1, 3, 5, 7, 8], "1-7:2, 8"),
         ([2, 9], "2, 9"),
+        ([2, 3, 9], "2-3, 9"),
     ],
 )
 def test_frames_are_said_briefly(frames: list[int], words: str) -> None:

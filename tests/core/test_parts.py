@@ -34,6 +34,16 @@ def test_objects_that_show_the_same_wear_the_same_copy_and_points_of_one_choose_
     assert [found.blends(name) for name in ABC] == [False, True, True]
 
 
+def test_probes_of_a_copy_come_in_the_order_of_the_material_and_the_last_are_dropped() -> None:
+    """The one that most objects belong to is first, wherever its name is in the alphabet."""
+    found = divide(("C", "A", "B"), {"a": {"A", "C"}, "b": {"B", "A"}, "c": {"C"}}, {}, (), 2)
+    assert set(found.parts) == {
+        MaterialPart(("C", "A"), ("a",)), MaterialPart(("A", "B"), ("b",)), MaterialPart(("C",), ("c",)),
+    }  # fmt: skip
+    narrow = divide(("C", "A", "B"), {"a": set(ABC), "b": {"B"}}, {}, (), 1)
+    assert {part.probes for part in narrow.parts} == {("C",), ("B",)} and narrow.dropped == ("A",)
+
+
 def test_where_all_objects_show_the_same_nothing_is_divided() -> None:
     assert divide(ABC, {"a": set(ABC), "b": set(ABC)}, {}, (), 2) == Division(("A", "B"), (), ("C",))
 

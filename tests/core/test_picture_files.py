@@ -43,6 +43,8 @@ def test_a_file_of_another_kind_or_beginning_is_none_of_the_six(tmp_path: Path) 
 def test_where_a_name_belongs_to_two_sets_the_one_that_lacks_least_is_meant(tmp_path: Path) -> None:
     paths = make(tmp_path, "z_right.png", "z_left.png", "z_up.png", "z_down.png", "z_front.png")
     assert missing_faces(paths[0]) == ("z_back.png",)
+    paths = make(tmp_path, "y_right.png", "y_left.png", "y_down.png", "y_front.png", "y_back.png")
+    assert missing_faces(paths[0]) == ("y_up.png",), "though those of the other set come before it in the alphabet"
 
 
 def test_a_single_file_is_itself_whatever_it_is_called(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -47,6 +48,14 @@ def test_each_frame_shows_a_picture_of_what_is_seen_then(hashes: str, known: str
         assert hashes[found.frames[moment.number] - 10] == letter
     assert len(set(found.hashes)) == len(found.hashes) == len(set(hashes))
     assert {found.hashes[number] for number in found.missing} == set(hashes) - set(known)
+
+
+@pytest.mark.parametrize("hashes", ["a", "aaa"])
+def test_frames_without_a_hash_are_no_sequence(hashes: str) -> None:
+    with pytest.raises(ValueError):
+        plan_sequence((1, 2), list(hashes), (HERE, HERE))
+    with pytest.raises(ValueError):
+        changed_frames(plan("ab").moments, list(hashes))
 
 
 @given(st.text(alphabet="abc", min_size=1, max_size=40))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.effects.dielectric import Dielectric
 from pcc_addon.core.effects.fresnel import fresnel_dielectric
 from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.surface import SurfaceEffects, surface
@@ -145,6 +146,34 @@ def test_an_interface_shares_light_as_its_microfacets_do(ior: float, roughness: 
         if keeps_energy:
             expected /= expected.sum(-1, keepdims=True)
     np.testing.assert_allclose(found, expected, atol=0.023 if ior == 1.1 else 0.011)
+
+
+@pytest.mark.parametrize("weight", [0.0, 0.25, 1.0])
+def test_what_is_partly_glass_is_a_mixture_of_the_opaque_and_the_glass(weight: float) -> None:
+    rng = np.random.default_rng(3)
+    normal = np.array([0.0, 0.0, 1.0])
+    incoming = directions(200, rng)
+    incoming[:, 2] = np.abs(incoming[:, 2])
+    inputs = {
+        "Radiance": rng.random((200, 3)),
+        "Transmitted Radiance": rng.random((200, 3)),
+        "Base Color": rng.random((200, 3)),
+        "Specular Tint": np.ones(3),
+        "Specular IOR Level": 0.5,
+        "Roughness": 0.2,
+        "Normal": normal,
+        "Incoming": incoming,
+        "Transmission Weight": weight,
+    }
+
+    def sent(*effects: object) -> dict[str, np.ndarray]:
+        return evaluate(surface(SurfaceEffects(effects, leaves_base=True)), inputs, np.float64)
+
+    opaque, clear = sent(Dielectric.of(1.5, None)), sent(Transmission(1.5, whole=True))
+    mixed = sent(Dielectric.of(1.5, None), Transmission(1.5))
+    for name, value in mixed.items():
+        np.testing.assert_allclose(value, (1.0 - weight) * opaque[name] + weight * clear[name], atol=1e-12)
+    assert not clear["Diffuse Color"].any() and opaque["Diffuse Color"].any()
 
 
 def integrated(cosine: float, roughness: float, ior: float) -> list[float]:

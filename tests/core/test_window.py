@@ -101,14 +101,15 @@ def test_corners_of_a_room_map_are_cut_out_whole() -> None:
     )
 
 
-def test_walls_of_a_room_map_are_read_between_their_texels() -> None:
+@pytest.mark.parametrize("axis", [0, 1])
+def test_walls_of_a_room_map_are_read_between_their_texels(axis: int) -> None:
     rng = np.random.default_rng(2)
     picture = marked(96)
-    picture[..., 5] = np.mgrid[0:96, 0:96][1]  # a ramp, which lines between texels repeat
+    picture[..., 5] = np.mgrid[0:96, 0:96][axis]  # a ramp, which lines between texels repeat
     found = room_map.equirectangular(picture)
     y, z = rng.uniform(-0.7, 0.7, (2, 50))
     values = equirect.lookup(found, np.stack([np.ones(50), -y, z], -1))[:, 5]
-    np.testing.assert_allclose(values, 32.0 + 16.0 * (1.0 + y) - 0.5, atol=0.05)
+    np.testing.assert_allclose(values, 32.0 + 16.0 * (1.0 + (z, y)[axis]) - 0.5, atol=0.05)
 
 
 def test_the_smallest_room_map_has_a_pixel_a_tile() -> None:

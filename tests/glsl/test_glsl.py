@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pcc_addon.core.backends.arrays import evaluate
+from pcc_addon.core.backends.glsl import functions, identifier
 from pcc_addon.core.effects import lookup
 from pcc_addon.core.effects.dielectric import Dielectric
 from pcc_addon.core.effects.dominant import dominant
@@ -20,7 +21,7 @@ from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.effects.roughness import mixed_formula
 from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
-from pcc_addon.core.expression import Formula, random, vector
+from pcc_addon.core.expression import Expr, Formula, random, vector
 from tests.conformance.subjects import SUBJECTS, Subject
 from tests.core.boxes import directions
 from tests.glsl.shaders import run, vertex_shader
@@ -51,6 +52,20 @@ def test_the_text_is_valid(tmp_path: Path, formula: Formula, version: str) -> No
     path.write_text(f"#version {version}\n{precision}{vertex_shader(formula)}")
     checked = subprocess.run(["glslangValidator", path], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout
+
+
+def test_names_are_such_as_glsl_has() -> None:
+    assert identifier("Größe der Box, µm") == "Gr_e_der_Box_m"
+    assert identifier(" Axis X (unit)") == "Axis_X_unit"
+
+
+def test_a_part_that_is_used_twice_is_computed_once() -> None:
+    """Otherwise this takes 2⁴⁰ lines."""
+    doubled: Expr = vector("a")
+    for _ in range(40):
+        doubled = doubled + doubled
+    text = functions(Formula("Doubled", {"Result": doubled}))
+    assert text.count("+") == 40
 
 
 @pytest.fixture(scope="module")

@@ -41,6 +41,25 @@ _FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
 _ARGUMENTS = "given = zip(formula.inputs, expr.calls.arguments, strict=True)"
 _SINK = 'emitter.layout.add(sink, max(depths, default=0), "")'
 _OF_NUMBERS = "elif all(part.width == 1 for part in (expr, *expr.args)):"
+_LEFT = 'axes = ", ".join(axis for axis, width in zip("XYZ", left, strict=True) if not width > 0.0)'
+_SIDE = "root = sqrt(b * b - 4.0 * a * c) * (minimum(sign(i_x), 0.0) * -2.0 - 1.0)"
+_READ = 'return Path(path).read_text(encoding="utf-8").strip()'
+_VIEW = (
+    'MIRRORED_VIEW = Formula("Mirrored View", '
+    '{"Direction": reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0})'
+)
+_STEP = "if self.ior is not None and abs(self.ior - 1.0) < _NO_STEP:"
+_LEAVING = 'leaving = Section("Far side", normalize(AXIS_X * far.x + AXIS_Y * far.y + AXIS_Z * far.z) * -1.0)'
+_BOX_AXES = 'axes = dict(zip("XYZ", matrix[:3, :3].T, strict=True))'
+_UPRIGHT = 'up = axes["Z"] * (-1.0 if axes["Z"][2] < 0.0 else 1.0)'
+_INPUTS = "for old, new in zip(node.inputs, copy.inputs, strict=True):"
+_POINTS = "for theirs, ours in zip(curve.keyframe_points, made.keyframe_points, strict=True):"
+_PAIRS = "pairs = zip(found, values, strict=True)"
+_KEYS = "for level, key in zip(levels, keys, strict=True)"
+_RECORD = (
+    'return {level.file for level in sidecar.Sidecar.from_json(path.read_text(encoding="utf-8"), path.name).levels}'
+)
+_MIXED = 'mix = self._new("ShaderNodeMixShader", right=right, row=row)'
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
@@ -72,6 +91,46 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/prefilter.py", _ROW, "n=width", ""): "NumPy's own default: a row has an even number of texels",
     ("core/radiance.py", _CLEANED, "nan=0.0", ""): "NumPy's own default",
     ("core/radiance.py", _CLEANED, "neginf=0.0", ""): "the smallest number is clipped to 0 too",
+    ("core/influence.py", _LEFT, "strict=True", ""): "both have three",
+    ("core/sequence.py", "Point = tuple[float, float, float]", "float", ""): "an alias for type checkers",
+    ("core/workplace.py", _READ, "'utf-8'", "'utf-8?'"): "Python takes it for the same name",
+    (
+        "core/effects/normal.py", _SIDE,
+        "sqrt(b * b - 4.0 * a * c) * (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
+        "sqrt(b * b - 4.0 * a * c) / (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
+    ): "by 1 or -1",
+    ("core/effects/dominant.py", _GRAZING, "1e-12", "1.5e-12"): "as good as 0",
+    (
+        "core/effects/shading.py", "transmittance: Expr = field(default_factory=lambda: lift(0.0))", "0.0", "1.0",
+    ): "nobody reads it before a transmission says what it is",
+    (
+        "core/effects/by_hand.py", _VIEW,
+        "reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0",
+        "reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) / -1.0",
+    ): "by -1",
+    (
+        "core/effects/transmission.py", _STEP, "abs(self.ior - 1.0) < _NO_STEP", "abs(self.ior - 1.0) <= _NO_STEP",
+    ): "no index is just so far from 1",
+    (
+        "core/effects/transmission.py", _LEAVING,
+        "normalize(AXIS_X * far.x + AXIS_Y * far.y + AXIS_Z * far.z) * -1.0",
+        "normalize(AXIS_X * far.x + AXIS_Y * far.y + AXIS_Z * far.z) / -1.0",
+    ): "by -1",
+    ("core/window.py", _BOX_AXES, "strict=True", ""): "both are three",
+    (
+        "core/window.py", _UPRIGHT,
+        "axes['Z'] * (-1.0 if axes['Z'][2] < 0.0 else 1.0)", "axes['Z'] / (-1.0 if axes['Z'][2] < 0.0 else 1.0)",
+    ): "by 1 or -1",
+    (
+        "core/window.py", _UPRIGHT, "axes['Z'][2] < 0.0", "axes['Z'][2] <= 0.0",
+    ): "neither end of a level axis is higher",
+    ("blender/shade/surface_builder.py", _MIXED, "right=right", ""): "`spread` puts it right of what feeds it anyway",
+    ("blender/shade/sketch.py", _INPUTS, "strict=True", ""): "a node's copy has as many inputs",
+    ("blender/shade/sketch.py", _INPUTS, "True", "False"): "a node's copy has as many inputs",
+    ("blender/shade/animation.py", _POINTS, "strict=True", ""): "as many points were added",
+    ("blender/shade/playback.py", _PAIRS, "strict=True", ""): "a value was made for each change",
+    ("blender/store/sequences.py", _KEYS, "True", "False"): "a key was made for each",
+    ("blender/store/leftovers.py", _RECORD, "encoding='utf-8'", ""): "records are ASCII",
     ("core/cubemap.py", _FACE_OF, "-1", "1"): "the last axis of two",
     ("core/ggx.py", _GRID, "indexing='ij'", ""): "the same samples in another order",
     ("core/ggx.py", _AVERAGES, "96", "97"): "as many points of a quadrature",

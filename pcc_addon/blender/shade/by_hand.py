@@ -150,7 +150,6 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
 def _value(tree: bpy.types.ShaderNodeTree, value: float) -> bpy.types.NodeSocket:
     node = tree.nodes.new("ShaderNodeValue")
     node.name = node.label = _SHOWN
-    node.location = (-260.0, 500.0)
     node.outputs[0].default_value = value
     return node.outputs[0]
 
@@ -160,7 +159,7 @@ def _view(tree: bpy.types.ShaderNodeTree) -> dict[str, Callable[[], bpy.types.No
 
     def geometry(output: str) -> bpy.types.NodeSocket:
         node = tree.nodes.get("Geometry") or tree.nodes.new("ShaderNodeNewGeometry")
-        node.name, node.location = "Geometry", (-460.0, 0.0)
+        node.name = "Geometry"
         return node.outputs[output]
 
     return {"Incoming": partial(geometry, "Incoming"), "Surface Normal": partial(geometry, "Normal")}

@@ -36,12 +36,11 @@ _SCALE = 2.0**60
 
 
 def driven_vector(
-    tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, name: str, place: tuple[float, float]
+    tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, name: str
 ) -> tuple[bpy.types.NodeSocket, tuple[bpy.types.Node, ...]]:
-    """The output that is one of `DRIVEN` for a probe, wherever that goes; and the new nodes at `place` that make it."""
+    """The output that is one of `DRIVEN` for a probe, wherever that goes; and the new nodes that make it."""
     node, unscale = tree.nodes.new("ShaderNodeCombineXYZ"), tree.nodes.new("ShaderNodeVectorMath")
     node.name = node.label = name
-    node.location, unscale.location = place, (place[0] + 200.0, place[1])
     for axis, expression in enumerate(DRIVEN[name]):
         driver = node.inputs[axis].driver_add("default_value").driver
         driver.type = "SCRIPTED"

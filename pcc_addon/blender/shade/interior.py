@@ -245,41 +245,38 @@ def _given(tree: bpy.types.ShaderNodeTree) -> dict[str, Callable[[], bpy.types.N
     """What feeds the inputs that a pane itself has: where it is, which way it looks, who it belongs to."""
     made: dict[str, bpy.types.Node] = {}
 
-    def node(kind: str, row: int) -> bpy.types.Node:
+    def node(kind: str) -> bpy.types.Node:
         if kind not in made:
             made[kind] = tree.nodes.new(kind)
-            made[kind].location = (-700.0, -260.0 * row)
         return made[kind]
 
-    def transform(kind: str, source: str, target: str, row: int) -> bpy.types.Node:
+    def transform(kind: str, source: str, target: str) -> bpy.types.Node:
         found = tree.nodes.new("ShaderNodeVectorTransform")
         found.vector_type, found.convert_from, found.convert_to = kind, source, target
-        found.location = (-460.0, -200.0 * row)
         return found
 
-    def in_object_space(output: str, kind: str, row: int) -> bpy.types.NodeSocket:
-        found = transform(kind, "WORLD", "OBJECT", row)
-        tree.links.new(node("ShaderNodeNewGeometry", 0).outputs[output], found.inputs[0])
+    def in_object_space(output: str, kind: str) -> bpy.types.NodeSocket:
+        found = transform(kind, "WORLD", "OBJECT")
+        tree.links.new(node("ShaderNodeNewGeometry").outputs[output], found.inputs[0])
         return found.outputs[0]
 
     def scale() -> bpy.types.NodeSocket:
         lengths = tree.nodes.new("ShaderNodeCombineXYZ")
         lengths.name = lengths.label = "Object Scale"
-        lengths.location = (-60.0, -620.0)
         for axis in range(3):
-            edge = transform("VECTOR", "OBJECT", "WORLD", 3 + axis)
+            edge = transform("VECTOR", "OBJECT", "WORLD")
             edge.inputs[0].default_value = [float(axis == k) for k in range(3)]
             length = tree.nodes.new("ShaderNodeVectorMath")
-            length.operation, length.location = "LENGTH", (-260.0, -200.0 * (3 + axis))
+            length.operation = "LENGTH"
             tree.links.new(edge.outputs[0], length.inputs[0])
             tree.links.new(length.outputs["Value"], lengths.inputs[axis])
         return lengths.outputs[0]
 
     return {
-        "Position": lambda: node("ShaderNodeTexCoord", 1).outputs["Object"],
-        "UV": lambda: node("ShaderNodeTexCoord", 1).outputs["UV"],
-        "Incoming": partial(in_object_space, "Incoming", "VECTOR", 1),
-        "Normal": partial(in_object_space, "Normal", "NORMAL", 0),
+        "Position": lambda: node("ShaderNodeTexCoord").outputs["Object"],
+        "UV": lambda: node("ShaderNodeTexCoord").outputs["UV"],
+        "Incoming": partial(in_object_space, "Incoming", "VECTOR"),
+        "Normal": partial(in_object_space, "Normal", "NORMAL"),
         "Object Scale": scale,
-        "Object Random": lambda: node("ShaderNodeObjectInfo", 2).outputs["Random"],
+        "Object Random": lambda: node("ShaderNodeObjectInfo").outputs["Random"],
     }

@@ -1,6 +1,8 @@
-"""Where the nodes of a group stand: left to right by what they need, each section in a framed lane of its own."""
+"""Where nodes of ours stand: left to right by what they need, none over another, sections of groups in framed lanes."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import bpy
 
@@ -8,8 +10,6 @@ _COLUMN_GAP, _GAP, _LANE = 60.0, 30.0, 90.0
 _HEIGHTS = {
     "ShaderNodeMath": 150.0,
     "ShaderNodeVectorMath": 150.0,
-    "ShaderNodeSeparateXYZ": 130.0,
-    "ShaderNodeCombineXYZ": 130.0,
     "ShaderNodeTexEnvironment": 240.0,
 }
 _HEAD, _SOCKET = 50.0, 22.0
@@ -28,8 +28,14 @@ class NodeLayout:
         return depth + 1
 
     def arrange(self) -> None:
-        """Give every node its place, and every section its frame."""
+        """Give every node its place, and every section its frame; what is not noted here stands before all others."""
         starts = self._columns()
+        noted = {node for columns in self._lanes.values() for nodes in columns.values() for node in nodes}
+        before = [node for node in self._tree.nodes if node not in noted and node.bl_idname != "NodeFrame"]
+        spread(self._tree, before)
+        end = max((node.location.x + node.width for node in before), default=0.0)
+        for node in before:
+            node.location.x += min(starts.values()) - _COLUMN_GAP - end
         top = 0.0
         for section, columns in self._lanes.items():
             lowest = top
@@ -60,6 +66,32 @@ class NodeLayout:
         frame = self._tree.nodes.new("NodeFrame")
         frame.name = frame.label = section
         return frame
+
+
+def spread(tree: bpy.types.ShaderNodeTree, nodes: Sequence[bpy.types.Node]) -> None:
+    """Move nodes of a tree as far right and down as it takes to have each right of what feeds it and none over another.
+
+    What stands higher stays; of two at one height, the one that comes first.
+    """
+    feeding: dict[bpy.types.Node, list[bpy.types.Node]] = {node: [] for node in nodes}
+    for link in tree.links:
+        if link.to_node in feeding and link.from_node in feeding:
+            feeding[link.to_node].append(link.from_node)
+    lefts: dict[bpy.types.Node, float] = {}
+
+    def left(node: bpy.types.Node) -> float:
+        if node not in lefts:
+            lefts[node] = max([node.location.x, *(left(n) + n.width + _COLUMN_GAP for n in feeding[node])])
+        return lefts[node]
+
+    taken: list[tuple[float, float, float, float]] = []  # top, bottom, left, right, with the gaps beside them
+    for node in sorted(nodes, key=lambda node: -node.location.y):
+        start, end, top, high = left(node), left(node) + node.width + _GAP, node.location.y, height(node) + _GAP
+        for upper, lower, first, last in sorted(taken, reverse=True):
+            if first < end and start < last and lower < top and top - high < upper:
+                top = lower
+        taken.append((top, top - high, start, end))
+        node.location = (start, top)
 
 
 def height(node: bpy.types.Node) -> float:

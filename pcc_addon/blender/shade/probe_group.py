@@ -198,21 +198,19 @@ def given(
     tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object, of_surface: Sequence[str] = ("Position",)
 ) -> dict[str, Callable[[], bpy.types.NodeSocket]]:
     """What feeds the formula's inputs that every surface has, and those that follow the probe."""
-    rows = iter(range(len(DRIVEN)))
     made: list[bpy.types.Node] = []
     frames: list[bpy.types.Node] = []
 
     def geometry(output: str) -> bpy.types.NodeSocket:
         if not made:
             made.append(tree.nodes.new("ShaderNodeNewGeometry"))
-            made[0].location = (-260.0, 340.0)
         return made[0].outputs[output]
 
     def driven(name: str) -> bpy.types.NodeSocket:
         if not frames:
             frames.append(tree.nodes.new("NodeFrame"))
             frames[0].name = frames[0].label = "Follows the probe"
-        socket, nodes = driven_vector(tree, probe, name, (-720.0, -160.0 * next(rows)))
+        socket, nodes = driven_vector(tree, probe, name)
         for node in nodes:
             node.parent = frames[0]
         return socket

@@ -36,11 +36,11 @@ class Sketch:
         self._links: list[tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]] = []
 
     def new(self, kind: str, beside: bpy.types.Node, right: float = 0.0, row: float = 0.0) -> bpy.types.Node:
-        """A node of ours, drawn below `beside`, so far to its right and so many rows down."""
+        """A node of ours, drawn below `beside`, so far to its right and so many rows down; `spread` makes room."""
         node = self.tree.nodes.new(kind)
         node.select = False
         marks.tag(node, "twin")
-        place = beside.location_absolute if hasattr(beside, "location_absolute") else beside.location
+        place = beside.location_absolute
         node.location = (place.x + right, place.y + _DROP - ROW * row)
         node.parent = self._framed()
         return node
@@ -75,7 +75,7 @@ class Sketch:
 
     def give(self, socket: bpy.types.NodeSocket, value: bpy.types.NodeSocket | float) -> None:
         """Feed an input by an output, or set its number."""
-        if isinstance(value, (int, float)):
+        if isinstance(value, float):
             socket.default_value = value
         else:
             self.link(value, socket)
@@ -98,9 +98,9 @@ class Sketch:
             if old.type != "SHADER" and old.name not in without and known:
                 self.repeat(old, new)
 
-    def copy(self, node: bpy.types.Node) -> bpy.types.Node:
+    def copy(self, node: bpy.types.Node, row: float = 0.0) -> bpy.types.Node:
         """A node of the same type with the same settings, its inputs as they come."""
-        copy = self.new(node.bl_idname, node)
+        copy = self.new(node.bl_idname, node, row=row)
         common = {p.identifier for p in bpy.types.Node.bl_rna.properties}
         for prop in node.bl_rna.properties:
             value = getattr(node, prop.identifier)
@@ -123,6 +123,11 @@ class Sketch:
             self._frame.label = "PCC Parallax Probes"
             marks.tag(self._frame, "frame")
         return self._frame
+
+
+def placed(tree: bpy.types.ShaderNodeTree) -> list[bpy.types.Node]:
+    """The nodes of ours in a tree, without their frames."""
+    return [node for node in tree.nodes if marks.role(node) not in (None, "frame")]
 
 
 def repeat_value(old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:

@@ -90,9 +90,9 @@ class SurfaceBuilder:
         self.sketch.link(self._normal(), matt.inputs["Normal"])
         return matt.outputs[0]
 
-    def _base(self, lit: bpy.types.Node, *, layers: bool = False) -> bpy.types.NodeSocket:
+    def _base(self, lit: bpy.types.Node, row: int = 0, *, layers: bool = False) -> bpy.types.NodeSocket:
         """The shader of what a Principled surface has beside its lobe; without coat, which shows in no capture."""
-        base = self.sketch.copy(self.node)
+        base = self.sketch.copy(self.node, row)
         dark = _FROM_THE_PROBE if layers or not self.plan.layered else _FROM_THE_PROBE | {"Coat Weight"}
         self.sketch.repeat_all(self.node, base, dark | _EMISSION if layers else dark)
         for name in dark - {"Base Color"}:
@@ -111,8 +111,8 @@ class SurfaceBuilder:
 
     def _under_layers(self, lit: bpy.types.Node, row: int) -> bpy.types.NodeSocket:
         """The shader of a whole surface that emits the reflection: coat and sheen dim it as they dim its own light."""
-        whole = self._base(lit, layers=True)
-        add = self._new("ShaderNodeVectorMath", right=-240.0, row=row + 0.625)
+        whole = self._base(lit, row, layers=True)
+        add = self._new("ShaderNodeVectorMath", right=-240.0, row=row)
         add.operation = "MULTIPLY_ADD"
         self.sketch.repeat(self.node.inputs["Emission Color"], add.inputs[0])
         self.sketch.repeat(self.node.inputs["Emission Strength"], add.inputs[1])
@@ -222,7 +222,7 @@ class SurfaceBuilder:
         """Feed a surface by a probe along each of its rays; returns the probe's node of the first one."""
         nodes = []
         for k, ray in enumerate(self.plan.effects.rays):
-            probe = self._new("ShaderNodeGroup", right=-760.0, row=row + 0.5 * k)
+            probe = self._new("ShaderNodeGroup", right=-760.0, row=row)
             probe.node_tree = shown.group
             probe.label = shown.group.name
             marks.tag(probe, PROBE)
@@ -240,7 +240,7 @@ class SurfaceBuilder:
         """The node that says where one of the surface's rays goes; made once."""
         if k not in self._ways:
             formula = self.plan.effects.rays[k].formula
-            way = self._ways[k] = self._call(formula, -1000.0, 0.5 * k)
+            way = self._ways[k] = self._call(formula, -1000.0, 0)
             for socket in way.inputs:
                 if socket.name in _OF_THE_NODE:
                     self.sketch.repeat(self.node.inputs[socket.name], socket)
@@ -253,14 +253,14 @@ class SurfaceBuilder:
         if name == "Normal":
             return self._normal()
         if name == "Dimensions":
-            attribute = self._new("ShaderNodeAttribute", right=-1240.0, row=0.5)
+            attribute = self._new("ShaderNodeAttribute", right=-1240.0)
             attribute.attribute_type, attribute.attribute_name = "OBJECT", "dimensions"
             return attribute.outputs["Vector"]
         if name.startswith("Axis "):
-            axis = self._new("ShaderNodeVectorTransform", right=-1480.0, row="XYZ".index(name[-1]) + 1.0)
+            axis = self._new("ShaderNodeVectorTransform", right=-1480.0)
             axis.vector_type, axis.convert_from, axis.convert_to = "VECTOR", "OBJECT", "WORLD"
             axis.inputs[0].default_value = [float(name[-1] == letter) for letter in "XYZ"]
-            unit = self._new("ShaderNodeVectorMath", right=-1280.0, row="XYZ".index(name[-1]) + 1.0)
+            unit = self._new("ShaderNodeVectorMath", right=-1240.0)
             unit.operation = "NORMALIZE"
             self.sketch.link(axis.outputs[0], unit.inputs[0])
             return unit.outputs[0]

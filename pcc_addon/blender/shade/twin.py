@@ -15,6 +15,8 @@ import bpy
 
 from .. import compat, marks
 from ..read.nodes import Scope, outputs, own_outputs, source
+from .node_layout import spread
+from .sketch import placed
 from .surface_builder import CAPTURED, GLOW, PROBE
 from .twin_builder import TwinBuilder
 from .twin_order import TwinOrder
@@ -48,6 +50,7 @@ def add_twins(material: bpy.types.Material, order: TwinOrder) -> None:
             twin.is_active_output = True
         else:
             twin.target, original.target = engine, "ALL"
+    spread(tree, placed(tree))
     sampling = _stop_lamp_sampling(material) if order.probes and not order.emits else None
     marks.note_before(material, marks.Before(before, sampling))
 

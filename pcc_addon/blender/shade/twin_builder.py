@@ -6,7 +6,8 @@ import bpy
 
 from .. import marks
 from ..read.nodes import Scope, group_output, source
-from .sketch import Sketch
+from .node_layout import spread
+from .sketch import Sketch, placed
 from .surface_builder import PROBE, SurfaceBuilder
 from .twin_order import TwinOrder
 
@@ -72,4 +73,5 @@ class TwinBuilder:
         for feeding, socket in fed:
             if feeding is not None:
                 tree.links.new(feeding, socket)
+        spread(tree, placed(tree))
         return tree

@@ -85,7 +85,8 @@ def own_share(roughness_limit: float | None) -> Formula:
     Args:
         roughness_limit: where the roughness varies, that from which on a surface is left to its own lobe.
     """
-    covered, title = COVERAGE, "Own Lobe"
+    covered: Expr = COVERAGE
+    title = "Own Lobe"
     if roughness_limit is not None:
         width = _FADE_OF_ROUGHNESS * roughness_limit
         smooth = clamp((lift(roughness_limit) - ROUGHNESS) * (1.0 / width)) if width > 0.0 else lift(0.0)
