@@ -80,13 +80,19 @@ def main() -> None:
         together = {count: measure(count, by_place=True) for count in BY_PLACE}
     names = [name for name in copies[1] if name != "injecting, s"]
     rows = [[n, *(f"{copies[count][n]:.2f}" for count in COUNTS), f"{copies[64][n] / copies[1][n]:.2f}"] for n in names]
+    for engine in Engine:
+        bare, shown = (f"{engine.value.title()}, {what}" for what in ("no probe shown", "in one room"))
+        over = {count: copies[count][shown] / copies[count][bare] for count in COUNTS}
+        ratios = (*(over[count] for count in COUNTS), over[64] / over[1])
+        rows.append([f"{engine.value.title()}, probe over none", *(f"{ratio:.2f}" for ratio in ratios)])
     rows.append(["injecting, s", *(f"{copies[count]['injecting, s']:.2f}" for count in COUNTS), ""])
     inside = [name for name in names if "in one room" in name]
     chained = [[n, *(f"{together[count][n] / copies[1][n]:.2f}" for count in BY_PLACE)] for n in inside]
     text = (
         f"Box rooms with mirror floors of one material, a probe each; processor seconds of a frame of 480×270 pixels "
         f"(median of {ROUNDS}), in which little else is computed. The floors wear copies of the material that show "
-        "their own room's probe; the last column is 64 rooms over one.\n\n"
+        "their own room's probe; the last column is 64 rooms over one. The renderer itself takes longer for 64 rooms: "
+        "*probe over none* is what the probes add to that.\n\n"
         + table(["view", *(f"{count} rooms" for count in COUNTS), "64 / 1"], rows)
         + "\n\nThe same rooms where one material shows all probes, each point that of its place, over one room:\n\n"
         + table(["view", *(f"{count} probes" for count in BY_PLACE)], chained)
