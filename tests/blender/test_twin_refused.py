@@ -37,8 +37,8 @@ def refused_texture(name: str) -> Callable[[], Material]:
 
 
 REFUSED = {
-    "has a thin film": refused_input("Thin Film Thickness", 300.0),
-    "is anisotropic": refused_texture("Anisotropic"),
+    "is anisotropic by more than": refused_input("Anisotropic", 0.5),
+    "or a texture": refused_texture("Anisotropic"),
 }
 
 
@@ -78,7 +78,7 @@ def test_a_linked_material_is_unchanged_and_named(probe, tmp_path: Path) -> None
 
 
 def test_refused_materials_do_not_keep_others_from_showing_the_probe(probe) -> None:
-    refused, material = REFUSED["is anisotropic"](), shiny("Good")
+    refused, material = REFUSED["or a texture"](), shiny("Good")
     show(refused), show(material)
     report = put_in()
     assert [name for name, _ in report.materials] == ["Good"] and len(report.notes) == 1
@@ -99,11 +99,11 @@ def test_a_material_that_is_too_rough_is_unchanged_and_named(probe) -> None:
 
 
 def test_all_reasons_are_given(probe) -> None:
-    material = principled("Odd", Thin_Film_Thickness=300.0, Anisotropic=0.5)
+    material = principled("Odd", Roughness=0.9, Anisotropic=0.5)
     show(material)
     check_refused(
         material,
-        "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe) and has a thin film",
+        "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe) and its roughness 0.9 is above",
     )
 
 

@@ -45,7 +45,8 @@ def plan_of(*materials: MaterialReading, probes: tuple[ProbeReading, ...] = (), 
 
 
 ANISOTROPIC = "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe)"
-FILM = "has a thin film (a thickness of 0 would show a probe)"
+
+ROUGH = "its roughness 0.9 is above the scene's limit 0.6"
 
 # Surfaces
 
@@ -73,7 +74,6 @@ def test_a_surface_in_groups_is_named_with_the_way_to_it() -> None:
         ({"IOR": 0.99}, "has an IOR below 1 (1 or more would show a probe, or a roughness of 0)"),
         ({"Anisotropic": -0.5}, ANISOTROPIC),
         ({"Anisotropic": None}, ANISOTROPIC),
-        ({"Thin_Film_Thickness": 300.0}, FILM),
         ({"Roughness": 0.61}, "its roughness 0.61 is above the scene's limit 0.6"),
         ({"Roughness": 7.0}, "its roughness 7 is above the scene's limit 0.6"),
         ({"Specular_IOR_Level": 0.0}, "it reflects nothing"),
@@ -172,10 +172,8 @@ def test_other_surfaces_that_no_probe_can_serve_say_why(reading: SurfaceReading,
 
 
 def test_all_reasons_are_given() -> None:
-    plan = planned(surface(Anisotropic=1.0, Thin_Film_Thickness=9.0, Roughness=0.9))
-    assert plan.reasons == (
-        ANISOTROPIC, FILM, "its roughness 0.9 is above the scene's limit 0.6",
-    )  # fmt: skip
+    plan = planned(surface(Anisotropic=1.0, Roughness=0.9))
+    assert plan.reasons == (ANISOTROPIC, ROUGH)
 
 
 def test_inputs_that_a_version_does_not_have_are_no_reason() -> None:
@@ -317,9 +315,9 @@ def test_where_two_probes_have_as_much_the_name_decides() -> None:
 
 
 def test_each_surface_is_planned_on_its_own_and_the_one_left_is_named() -> None:
-    plan = plan_of(material("Wood", surface("Good"), surface("Odd", Anisotropic=1.0, Thin_Film_Thickness=9.0)))
+    plan = plan_of(material("Wood", surface("Good"), surface("Odd", Anisotropic=1.0, Roughness=0.9)))
     assert set(plan.served) == {("Good",)} and plan.probes == ("Hall",)
-    assert plan.notes == (f"material 'Wood': surface 'Odd' keeps its own lobe: {ANISOTROPIC} and {FILM}",)
+    assert plan.notes == (f"material 'Wood': surface 'Odd' keeps its own lobe: {ANISOTROPIC} and {ROUGH}",)
 
 
 def test_a_material_none_of_whose_surfaces_can_be_served_shows_nothing_and_names_each() -> None:

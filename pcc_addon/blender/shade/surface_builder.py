@@ -24,7 +24,7 @@ from .twin_order import ShownProbe
 
 PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for later
 _FROM_THE_PROBE = frozenset(
-    {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight"}
+    {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight", "Thin Film Thickness"}
 )  # not copied into the diffuse part
 _OF_THE_NODE = frozenset({"IOR", "Roughness", "Metallic"})  # what rays ask of the user's node
 _ShaderOf = Callable[[bpy.types.Node, int], bpy.types.NodeSocket]

@@ -10,9 +10,10 @@ from .dielectric import Dielectric
 from .glossy import Glossy
 from .metal import Metal, TintedMetal
 from .multiscatter import Multiscatter
+from .thin_film import ThinFilm
 from .transmission import Transmission
 
-SurfaceEffect = Multiscatter | Dielectric | Metal | Glossy | TintedMetal | Transmission
+SurfaceEffect = Multiscatter | ThinFilm | Dielectric | Metal | Glossy | TintedMetal | Transmission
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
 MICROFACETS = {"GGX", "MULTI_GGX", "BECKMANN"}  # distributions that can be shown by levels made for GGX
@@ -57,9 +58,6 @@ class Kind:
     leaves_base: bool = False
 
 
-_FILM = Refusal("has a thin film (a thickness of 0 would show a probe)")
-
-
 # Of a lobe that is wider one way. A Principled BSDF's widths then are as 5 to 4, a Glossy BSDF's as 3 to 2.
 _LITTLE = 0.2
 _ANISOTROPY = Refusal(
@@ -70,19 +68,16 @@ _ANISOTROPY = Refusal(
 
 KINDS: Mapping[str, Kind] = {
     PRINCIPLED: Kind(
-        effects=(Multiscatter.wanted, Dielectric.wanted, Transmission.of_principled, Metal.wanted),
-        refused={
-            "Anisotropic": _ANISOTROPY,
-            "Thin Film Thickness": _FILM,
-        },
+        effects=(Multiscatter.wanted, ThinFilm.wanted, Dielectric.wanted, Transmission.of_principled, Metal.wanted),
+        refused={"Anisotropic": _ANISOTROPY},
         leaves_base=True,
     ),
     "ShaderNodeBsdfAnisotropic": Kind((Multiscatter.wanted, Glossy.wanted), {"Anisotropy": _ANISOTROPY}),
     "ShaderNodeBsdfMetallic": Kind(
-        (Multiscatter.wanted, TintedMetal.wanted),
-        {"Anisotropy": _ANISOTROPY, "Thin Film Thickness": _FILM},
+        (Multiscatter.wanted, ThinFilm.wanted, TintedMetal.wanted),
+        {"Anisotropy": _ANISOTROPY},
     ),
-    "ShaderNodeBsdfGlass": Kind((Multiscatter.wanted, Transmission.of_glass), {"Thin Film Thickness": _FILM}),
+    "ShaderNodeBsdfGlass": Kind((Multiscatter.wanted, ThinFilm.wanted, Transmission.of_glass), {}),
     "ShaderNodeBsdfRefraction": Kind((Multiscatter.wanted, Transmission.of_refraction), {}),
 }
 """By the type of its node. A new effect is a file beside this one and an entry here."""

@@ -20,6 +20,7 @@ from .lookup import INCOMING, MIRROR, NORMAL
 from .metal import Metal
 from .multiscatter import Multiscatter
 from .shading import BASE_COLOR, BEHIND, RADIANCE, ROUGHNESS, Shading
+from .thin_film import ThinFilm
 from .transmission import Interface, Transmission
 
 
@@ -71,7 +72,7 @@ class SurfaceEffects:
 
     @property
     def _reflected(self) -> tuple[Ray, ...]:
-        lobes = [e for e in self.effects if not isinstance(e, Multiscatter)]
+        lobes = [e for e in self.effects if not isinstance(e, (Multiscatter, ThinFilm))]
         mirroring = [e for e in lobes if not (isinstance(e, Transmission) and not e.mirrors)]
         if not mirroring:
             return ()
@@ -99,7 +100,7 @@ def surface_effects(surface: SurfaceReading, interface: Interface = Interface.SO
     kind = KINDS[surface.kind]
     found = [effect for wanted in kind.effects if (effect := wanted(surface)) is not None]
     found = [replace(effect, interface=interface) if isinstance(effect, Transmission) else effect for effect in found]
-    reflects = any(not isinstance(effect, Multiscatter) for effect in found)
+    reflects = any(not isinstance(effect, (Multiscatter, ThinFilm)) for effect in found)
     roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
     smooth = roughness is not None and roughness <= 0.0
     beckmann = surface.distribution == "BECKMANN" and not smooth
