@@ -26,7 +26,9 @@ PROBE, GLOW = "probe", "glow"  # roles of a twin's nodes that are looked for lat
 _FROM_THE_PROBE = frozenset(
     {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight", "Thin Film Thickness"}
 )  # not copied into the diffuse part
-_OF_THE_NODE = frozenset({"IOR", "Roughness", "Metallic"})  # what rays ask of the user's node
+_OF_THE_NODE = frozenset(
+    {"IOR", "Roughness", "Metallic", "Anisotropic Rotation", "Rotation"}
+)  # what rays ask of the user's node
 _ShaderOf = Callable[[bpy.types.Node, int], bpy.types.NodeSocket]
 
 
@@ -142,7 +144,7 @@ class SurfaceBuilder:
         lit.label = "Reflectance"
         radiances = {ray.radiance for ray in self.plan.effects.rays}
         for socket in lit.inputs:
-            if socket.name in {"Normal", "Incoming", "Backfacing"}:
+            if socket.name in {"Normal", "Incoming", "Backfacing", "Tangent"}:
                 self.sketch.link(self._of_the_surface(socket.name), socket)
             elif socket.name not in radiances:
                 self.sketch.repeat(self.node.inputs[socket.name], socket)
@@ -223,6 +225,8 @@ class SurfaceBuilder:
         """What formulas ask of where they are evaluated."""
         if name == "Normal":
             return self._normal()
+        if name == "Tangent" and is_given(self.node.inputs[name], self.sketch.scope):
+            return source(self.node.inputs[name])
         if name == "Dimensions":
             attribute = self._new("ShaderNodeAttribute", right=-1240.0, row=0.5)
             attribute.attribute_type, attribute.attribute_name = "OBJECT", "dimensions"
