@@ -20,7 +20,7 @@ from pcc_addon.blender.rendering import RenderSettings, render
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import EMISSIVE_ROOM, add_room_probe, emissive_room, principled_node
 
-SIZE = (192, 108)
+SIZE = (144, 81)
 FACE = 256
 FLOORS = {
     "metal": {"Base Color": (0.9, 0.8, 0.6, 1.0), "Metallic": 1.0},
@@ -47,7 +47,7 @@ def film_room(floor: str, roughness: float) -> bpy.types.Scene:
     tree.links.new(along.outputs["X"], thickness.inputs[0])
     tree.links.new(thickness.outputs[0], node.inputs["Thin Film Thickness"])
     probe = add_room_probe(EMISSIVE_ROOM, (0.0, 0.0, -0.35)).pcc_probe
-    probe.samples, probe.denoise, probe.resolution, probe.contact_hardening = 16, False, FACE, True
+    probe.samples, probe.denoise, probe.resolution, probe.contact_hardening = 4, False, FACE, True
     return scene
 
 
@@ -68,10 +68,10 @@ def measure(floor: str, roughness: float, folder: Path) -> list[str]:
         return render(scene, RenderSettings(engine, samples), shown=path).pixels
 
     truth = picture("traced", 128)
-    own = picture("own", 4, Engine.EEVEE)
+    own = picture("own", 2, Engine.EEVEE)
     bpy.ops.pcc.bake(scope="ALL")
     bpy.ops.pcc.inject()
-    shown = picture("probe", 16), picture("eevee", 4, Engine.EEVEE)
+    shown = picture("probe", 16), picture("eevee", 2, Engine.EEVEE)
     with_it = _seconds(scene)
     bpy.ops.pcc.remove()
     without_film()

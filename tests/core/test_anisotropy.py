@@ -56,7 +56,7 @@ def effects(wide: Anisotropy | None) -> SurfaceEffects:
     return SurfaceEffects((*([wide] if wide else []), Glossy()), leaves_base=False)
 
 
-@pytest.mark.parametrize(("ratio", "error"), [(0.46, 0.04), (0.2, 0.1)])
+@pytest.mark.parametrize(("ratio", "error"), [(0.46, 0.04), (0.2, 0.12)])
 def test_a_wide_lobe_reflects_nearly_as_a_round_one(ratio: float, error: float) -> None:
     """From 17° above the surface on, up to roughness 0.5."""
     for roughness in (0.2, 0.35, 0.5):
