@@ -37,7 +37,7 @@ def refused_texture(name: str) -> Callable[[], Material]:
 
 
 REFUSED = {
-    "has an IOR below 1": refused_input("IOR", 0.9),
+    "its roughness 0.9 is above": refused_input("Roughness", 0.9),
     "has an anisotropy that varies": refused_texture("Anisotropic"),
 }
 

@@ -56,9 +56,9 @@ def effects(wide: Anisotropy | None) -> SurfaceEffects:
     return SurfaceEffects((*([wide] if wide else []), Glossy()), leaves_base=False)
 
 
-@pytest.mark.parametrize(("ratio", "error"), [(0.46, 0.04), (0.2, 0.12)])
+@pytest.mark.parametrize(("ratio", "error"), [(0.46, 0.04), (0.2, 0.14)])
 def test_a_wide_lobe_reflects_nearly_as_a_round_one(ratio: float, error: float) -> None:
-    """From 17° above the surface on, up to roughness 0.5."""
+    """From 17° above the surface on, up to roughness 0.5: the wider, the less of what facets mirror leaves."""
     for roughness in (0.2, 0.35, 0.5):
         case = effects(Anisotropy(ratio))
         lit = {ray.radiance: np.ones(3) for ray in case.rays}
