@@ -55,6 +55,13 @@ WAYS = ("none", "bent", "3 looks", "5 looks", "7 looks")
 def shown_by(way: str) -> Iterator[None]:
     """While this lasts, anisotropic surfaces are looked up so."""
     surface.surface_formula.cache_clear()
+    with _patched(way):
+        yield
+    surface.surface_formula.cache_clear()
+
+
+@contextmanager
+def _patched(way: str) -> Iterator[None]:
     if way == "none":
         plain = {
             name: replace(
