@@ -16,6 +16,9 @@ EEVEE_ID = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT
 # From 5.2 on EEVEE draws lamps that cameras may see; before, a capture needs stand-ins.
 EEVEE_DRAWS_LAMPS = bpy.app.version >= (5, 2)
 
+# Before 5.0 Cycles shows thin films over dielectrics only.
+FILMS_ON_METAL = bpy.app.version >= (5, 0)
+
 # Before 5.0 the file of one view of several cannot be read back as a picture.
 VIEWS_CAN_BE_READ = bpy.app.version >= (5, 0)
 

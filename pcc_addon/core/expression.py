@@ -27,7 +27,9 @@ class Op(Enum):
     ABSOLUTE = auto()
     SIGN = auto()
     FLOOR = auto()
-    SQRT = auto()  # scalar
+    SQRT = auto()
+    EXP2 = auto()  # 2 to the power of the argument
+    COSINE = auto()  # of radians
     MULTIPLY_ADD = auto()  # a * b + c
     DOT = auto()  # two vectors to a scalar
     LENGTH = auto()  # a vector to a scalar
@@ -298,8 +300,18 @@ def floor(a: Operand) -> Expr:
 
 
 def sqrt(a: Operand) -> Expr:
-    """Square root of a scalar; 0 for a negative one."""
+    """Square root by component; 0 for a negative one."""
     return operation(Op.SQRT, a)
+
+
+def exp2(a: Operand) -> Expr:
+    """2 to the power of each component."""
+    return operation(Op.EXP2, a)
+
+
+def cosine(a: Operand) -> Expr:
+    """The cosine of each component, radians."""
+    return operation(Op.COSINE, a)
 
 
 def multiply_add(a: Operand, b: Operand, c: Operand) -> Expr:

@@ -215,7 +215,8 @@ def _plan_surface(surface: SurfaceReading, limit: float, bends_normals: bool, in
     beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
     layers = layers_of(surface)
     refused = KINDS[surface.kind].refused
-    rounded = [no.served for name, no in refused.items() if surface.has(name) and surface.value(name) != 0.0]
+    given = {name: surface.value(name) for name in refused if surface.has(name)}
+    rounded = [refused[name].served for name, value in given.items() if value != 0.0 and refused[name].ignored(value)]
     reasons = [how + beyond, effects.label, *rounded, *(f"its {layer} lies over that as it is" for layer in layers)]
     bent = bends_normals and surface.has("Normal") and surface.value("Normal") is None
     reasons += ["its normals are bent where they would mirror the view into the surface"] * bent
@@ -282,7 +283,8 @@ def _pictures_read(surface: SurfacePlan, hardening: bool) -> int:
     low, high = surface.roughness
     assert surface.effects is not None
     few = low == high and not hardening
-    return min(3 * len(surface.effects.rays), len(LADDER)) if few else len(LADDER)
+    blurs = {ray.narrowing for ray in surface.effects.rays}  # rays of one blur read the same
+    return min(3 * len(blurs), len(LADDER)) if few else len(LADDER)
 
 
 def _plan_probe(

@@ -25,6 +25,7 @@ class SurfaceReading:
         inputs: its inputs by name, each constant or None where it varies.
         distribution: of its microfacets, such as "MULTI_GGX"; empty where it has none.
         fresnel: its choice of a Fresnel curve, such as "F82"; empty where it has none.
+        films_on_metal: whether its renderer shows thin films over metals too.
     """
 
     path: tuple[str, ...]
@@ -32,6 +33,7 @@ class SurfaceReading:
     inputs: tuple[tuple[str, Value], ...]
     distribution: str = ""
     fresnel: str = ""
+    films_on_metal: bool = True
 
     def has(self, name: str) -> bool:
         return any(known == name for known, _ in self.inputs)

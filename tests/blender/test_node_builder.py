@@ -79,6 +79,11 @@ OPERATIONS: list[tuple[str, Expr, Callable[[dict], np.ndarray] | None]] = [
     ),
     ("three random numbers", ex.random(A), None),
     ("a square root", ex.sqrt(S), None),
+    ("a vector's square roots", ex.sqrt(A), None),
+    ("a power of two", ex.exp2(ex.clamp(S, -100.0, 100.0)), None),
+    ("a vector's powers of two", ex.exp2(ex.clamp(A, -100.0, 100.0)), None),
+    ("a cosine", ex.cosine(S), lambda v: 1.0),
+    ("a vector's cosines", ex.cosine(A), lambda v: 1.0),
     ("a scalar multiply-add", ex.multiply_add(S, T, U), lambda v: abs(v["s"] * v["t"])),
     ("a vector multiply-add", ex.multiply_add(A, B, C), lambda v: abs(v["a"] * v["b"])),
     ("a multiply-add with a scalar factor", ex.multiply_add(A, S, C), lambda v: abs(v["a"] * v["s"][:, None])),
@@ -130,7 +135,7 @@ def test_dividing_by_zero_and_rooting_a_negative_give_zero(scene) -> None:
     zero = np.array([0.0, -0.0, 0.0, -0.0], np.float32)
     numerator = np.array([1.0, -2.0, 0.0, 0.0], np.float32)
     vectors = np.repeat(numerator[:, None], 3, 1)
-    outputs = {"Scalar": S / T, "Vector": A / T, "Root": ex.sqrt(U), "Unit": ex.normalize(B)}
+    outputs = {"Scalar": S / T, "Vector": A / T, "Root": ex.sqrt(U), "Roots": ex.sqrt(A - 9.0), "Unit": ex.normalize(B)}
     inputs = {"s": numerator, "t": zero, "a": vectors, "u": -np.ones(4), "b": np.zeros((4, 3))}
     found = evaluate_expressions(outputs, inputs)
     assert all((found[name] == 0.0).all() for name in outputs)

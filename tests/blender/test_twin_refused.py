@@ -37,8 +37,8 @@ def refused_texture(name: str) -> Callable[[], Material]:
 
 
 REFUSED = {
-    "has a thin film": refused_input("Thin Film Thickness", 300.0),
-    "is anisotropic": refused_texture("Anisotropic"),
+    "its roughness 0.9 is above": refused_input("Roughness", 0.9),
+    "has an anisotropy that varies": refused_texture("Anisotropic"),
 }
 
 
@@ -78,7 +78,7 @@ def test_a_linked_material_is_unchanged_and_named(probe, tmp_path: Path) -> None
 
 
 def test_refused_materials_do_not_keep_others_from_showing_the_probe(probe) -> None:
-    refused, material = REFUSED["is anisotropic"](), shiny("Good")
+    refused, material = REFUSED["has an anisotropy that varies"](), shiny("Good")
     show(refused), show(material)
     report = put_in()
     assert [name for name, _ in report.materials] == ["Good"] and len(report.notes) == 1
@@ -99,23 +99,23 @@ def test_a_material_that_is_too_rough_is_unchanged_and_named(probe) -> None:
 
 
 def test_all_reasons_are_given(probe) -> None:
-    material = principled("Odd", Thin_Film_Thickness=300.0, Anisotropic=0.5)
+    material = principled("Odd", Roughness=0.9, IOR=0.9)
     show(material)
     check_refused(
         material,
-        "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe) and has a thin film",
+        "has an IOR below 1 (1 or more would show a probe, or a roughness of 0) and its roughness 0.9 is above",
     )
 
 
 def test_a_refused_surface_does_not_keep_the_others_of_its_material_from_showing_the_probe(probe) -> None:
     material = mixed()
-    material.node_tree.nodes["Principled BSDF.001"].inputs["Anisotropic"].default_value = 0.5
+    material.node_tree.nodes["Principled BSDF.001"].inputs["IOR"].default_value = 0.9
     show(material)
     before = settled()
     report = put_in()
     assert report.materials == ((material.name, probe.name),)
     [note] = report.notes
-    assert "surface 'Principled BSDF.001' keeps its own lobe: is anisotropic" in note
+    assert "surface 'Principled BSDF.001' keeps its own lobe: has an IOR below 1" in note
     remove()
     assert difference(before, of_the_user()) == []
 

@@ -19,6 +19,7 @@ INPUTS: dict[str, Value] = {
     "Sheen Weight": 0.0,
     "Anisotropic": 0.0,
     "Thin Film Thickness": 0.0,
+    "Thin Film IOR": 1.33,
 }
 
 

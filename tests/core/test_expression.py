@@ -116,7 +116,7 @@ def test_no_operation_changes_the_precision(op: ex.Op, dtype: type) -> None:
         ex.Op.COMPONENT_Y: 1,
         ex.Op.COMPONENT_Z: 1,
     }
-    scalars = dict.fromkeys((ex.Op.ABSOLUTE, ex.Op.SIGN, ex.Op.FLOOR, ex.Op.SQRT), 1)
+    scalars = dict.fromkeys((ex.Op.ABSOLUTE, ex.Op.SIGN, ex.Op.FLOOR, ex.Op.SQRT, ex.Op.EXP2, ex.Op.COSINE), 1)
     scalars |= {ex.Op.MULTIPLY_ADD: 3, ex.Op.COMBINE: 3}
     args = [U, V][: vectors[op]] if op in vectors else [A, B, 2.0][: scalars.get(op, 2)]
     out = value(ex.operation(op, *args), dtype, u=[1.0, 2.0, 2.0], v=[1.0, 0.0, 0.0], a=0.3, b=0.7)

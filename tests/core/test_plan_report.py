@@ -16,7 +16,7 @@ SCENE = SceneReading(
     (ProbeReading("Broken", None, "probe 'Broken' is faulty"), probe("A"), probe("B", 10.0)),
     (
         MaterialReading("Linked", (), ("is linked",)),
-        material("Wood", surface("Good"), surface("Odd", Anisotropic=1.0, Roughness=0.9)),
+        material("Wood", surface("Good"), surface("Odd", Anisotropic=None, Roughness=0.9)),
     ),
     (placement("Here", "Wood", "Linked"), placement("There", "Wood", x=10.0)),
 )
@@ -41,7 +41,7 @@ def test_the_text_says_everything() -> None:
         "    object 'There' shows 'B'",
         f"    surface 'Good': roughness 0.25; {GOOD}",
         "    surface 'Odd': keeps its own lobe: "
-        "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe); "
+        "has an anisotropy that varies (a constant one would show a probe); "
         "its roughness 0.9 is above the scene's limit 0.6",
         "probe 'Broken' is faulty",
     ]
@@ -78,7 +78,7 @@ def test_the_records_say_everything() -> None:
                 "path": ["Odd"],
                 "effects": None,
                 "reasons": [
-                    "is anisotropic by more than 0.2 or a texture (at most 0.2 would show a probe)",
+                    "has an anisotropy that varies (a constant one would show a probe)",
                     "its roughness 0.9 is above the scene's limit 0.6",
                 ],
             },

@@ -21,6 +21,7 @@ from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.effects.roughness import mixed_formula
 from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
+from pcc_addon.core.effects.thin_film import ThinFilm
 from pcc_addon.core.expression import Expr, Formula, random, vector
 from tests.conformance.subjects import SUBJECTS, Subject
 from tests.core.boxes import directions
@@ -40,6 +41,7 @@ FORMULAS = [
     interior(Interior((RoomPicture(),), Cells.UV)),
     *(subject.formula for subject in SUBJECTS if subject.kind in {"seen through", "shares"}),
     surface_formula(SurfaceEffects((Multiscatter(), Dielectric.of(1.5, None), Metal(tinted=True)))),
+    surface_formula(SurfaceEffects((Multiscatter(), ThinFilm(), Dielectric.of(1.5, None), Metal(tinted=True)))),
 ]
 
 
@@ -127,7 +129,8 @@ def test_a_probe_shows_the_radiance_that_numpy_reads_from_its_pictures(driver: N
     np.testing.assert_allclose(found["Level 0"], expected["Level 0"], atol=0.01)  # drivers filter with 8 bits
 
 
-def test_a_surface_reflects_what_numpy_says(driver: None) -> None:
+@pytest.mark.parametrize("formula", FORMULAS[-2:], ids=["bare", "under a film"])
+def test_a_surface_reflects_what_numpy_says(driver: None, formula: Formula) -> None:
     rng = np.random.default_rng(6)
     count = 2000
     normal, incoming = directions(count, rng), directions(count, rng)
@@ -136,13 +139,15 @@ def test_a_surface_reflects_what_numpy_says(driver: None) -> None:
         "Base Color": rng.random((count, 3)),
         "Metallic": rng.random(count),
         "Captured": rng.random(count),
+        "Thin Film Thickness": rng.uniform(0.0, 1000.0, count),
+        "Thin Film IOR": rng.uniform(1.0, 2.0, count),
         "Roughness": rng.random(count) * 0.6,
         "Specular IOR Level": rng.random(count),
         "Specular Tint": rng.random((count, 3)),
         "Normal": normal,
         "Incoming": incoming * np.sign((normal * incoming).sum(-1, keepdims=True)),
     }
-    formula = FORMULAS[-1]
+    inputs = {name: inputs[name] for name in formula.inputs}
     found, expected = run(formula, inputs), evaluate(formula.outputs, inputs)
     for name, values in expected.items():
         np.testing.assert_allclose(found[name], values, atol=2e-4)

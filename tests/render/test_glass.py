@@ -28,6 +28,7 @@ def white_world(addon: None) -> bpy.types.Scene:
     scene = empty_scene()
     background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
     background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    background.inputs["Strength"].default_value = 1.0
     return scene
 
 

@@ -89,7 +89,12 @@ def _leaves(
 def _surface(node: bpy.types.Node, scope: Scope) -> SurfaceReading:
     inputs = tuple((socket.name, constant(socket, scope)) for socket in node.inputs if socket.enabled)
     return SurfaceReading(
-        scope.path(node), node.bl_idname, inputs, getattr(node, "distribution", ""), getattr(node, "fresnel_type", "")
+        scope.path(node),
+        node.bl_idname,
+        inputs,
+        getattr(node, "distribution", ""),
+        getattr(node, "fresnel_type", ""),
+        compat.FILMS_ON_METAL,
     )
 
 

@@ -7,7 +7,20 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...core.expression import Call, Constant, Expr, Formula, Input, Op, Operation, Sample, Section, Texel
+from ...core.expression import (
+    Call,
+    Constant,
+    Expr,
+    Formula,
+    Input,
+    Op,
+    Operation,
+    Sample,
+    Section,
+    Texel,
+    lift,
+    maximum,
+)
 from .node_layout import NodeLayout
 
 _MATH = {
@@ -22,6 +35,8 @@ _MATH = {
     Op.FLOOR: "FLOOR",
     Op.CROSS: "CROSS_PRODUCT",
     Op.SQRT: "SQRT",
+    Op.EXP2: "POWER",
+    Op.COSINE: "COSINE",
     Op.MULTIPLY_ADD: "MULTIPLY_ADD",
     Op.DOT: "DOT_PRODUCT",
     Op.LENGTH: "LENGTH",
@@ -97,7 +112,7 @@ class _Emitter:
         self._source: bpy.types.Node | None = None
         self._section = ""
         self._numbers: dict[tuple, int] = {}
-        self._number_of: dict[int, int] = {}
+        self._number_of: dict[Expr, int] = {}
         self._sockets: dict[int, tuple[bpy.types.NodeSocket, int]] = {}
         self._shared: dict[tuple, tuple[bpy.types.Node, int]] = {}
 
@@ -115,9 +130,9 @@ class _Emitter:
         """The same number for the same value (value numbering)."""
         if isinstance(expr, Section):
             return self._number(expr.content)
-        if id(expr) not in self._number_of:
-            self._number_of[id(expr)] = self._numbers.setdefault(self._key(expr), len(self._numbers))
-        return self._number_of[id(expr)]
+        if expr not in self._number_of:  # by identity, and kept from being forgotten
+            self._number_of[expr] = self._numbers.setdefault(self._key(expr), len(self._numbers))
+        return self._number_of[expr]
 
     def _key(self, expr: Expr) -> tuple:
         if isinstance(expr, Constant):
@@ -204,7 +219,7 @@ class _Emitter:
         return node, self.layout.add(node, self.connect(vector, node.inputs[0]), self._section)
 
     def _operation(self, expr: Operation) -> tuple[bpy.types.NodeSocket, int]:
-        targets = None
+        targets, args = None, expr.args
         if expr.op is Op.RANDOM:
             node = self.tree.nodes.new("ShaderNodeTexWhiteNoise")
             node.noise_dimensions = "3D"
@@ -215,6 +230,11 @@ class _Emitter:
         elif all(part.width == 1 for part in (expr, *expr.args)):
             node = self.tree.nodes.new("ShaderNodeMath")
             node.operation = _MATH[expr.op]
+            args = (lift(2.0), *args) if expr.op is Op.EXP2 else args
+        elif expr.op in (Op.SQRT, Op.EXP2):  # vectors have but powers, which engines take differently below 0
+            node = self.tree.nodes.new("ShaderNodeVectorMath")
+            node.operation = "POWER"
+            args = (maximum(*args, 0.0), lift(0.5)) if expr.op is Op.SQRT else (lift(2.0), *args)
         else:
             node = self.tree.nodes.new("ShaderNodeVectorMath")
             if expr.op is Op.MULTIPLY and 1 in (part.width for part in expr.args):
@@ -224,6 +244,6 @@ class _Emitter:
             else:
                 node.operation = _MATH[expr.op]
         targets = targets or [socket for socket in node.inputs if socket.enabled]
-        depth = max(self.connect(part, socket) for part, socket in zip(expr.args, targets, strict=True))
+        depth = max(self.connect(part, socket) for part, socket in zip(args, targets, strict=True))
         output = next(socket for socket in node.outputs if socket.enabled)
         return output, self.layout.add(node, depth, self._section)

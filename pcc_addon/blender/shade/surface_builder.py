@@ -27,10 +27,12 @@ PROBE, GLOW, CAPTURED = "probe", "glow", "captured"
 """Roles of a twin's nodes that are looked for later: its probes; what emits their reflection and is muted in captures;
 what is told by an input "Captured" that there is one."""
 _FROM_THE_PROBE = frozenset(
-    {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight"}
+    {"Base Color", "Metallic", "Specular IOR Level", "Transmission Weight", "Thin Film Thickness"}
 )  # not copied into the diffuse part
 _EMISSION = frozenset({"Emission Color", "Emission Strength"})
-_OF_THE_NODE = frozenset({"IOR", "Roughness", "Metallic"})  # what rays ask of the user's node
+_OF_THE_NODE = frozenset(
+    {"IOR", "Roughness", "Metallic", "Anisotropic Rotation", "Rotation"}
+)  # what rays ask of the user's node
 _ShaderOf = Callable[[bpy.types.Node, int], bpy.types.NodeSocket]
 
 
@@ -171,7 +173,7 @@ class SurfaceBuilder:
         for socket in lit.inputs:
             if socket.name == "Captured":
                 marks.tag(lit, CAPTURED)
-            elif socket.name in {"Normal", "Incoming", "Backfacing"}:
+            elif socket.name in {"Normal", "Incoming", "Backfacing", "Tangent"}:
                 self.sketch.link(self._of_the_surface(socket.name), socket)
             elif socket.name not in radiances:
                 self.sketch.repeat(self.node.inputs[socket.name], socket)
@@ -252,6 +254,8 @@ class SurfaceBuilder:
         """What formulas ask of where they are evaluated."""
         if name == "Normal":
             return self._normal()
+        if name == "Tangent" and is_given(self.node.inputs[name], self.sketch.scope):
+            return source(self.node.inputs[name])
         if name == "Dimensions":
             attribute = self._new("ShaderNodeAttribute", right=-1240.0)
             attribute.attribute_type, attribute.attribute_name = "OBJECT", "dimensions"

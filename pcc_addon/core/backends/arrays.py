@@ -40,6 +40,8 @@ _RULES: dict[Op, Callable[..., np.ndarray]] = {
     Op.SIGN: np.sign,
     Op.FLOOR: np.floor,
     Op.SQRT: lambda a: np.sqrt(np.maximum(a, 0)),
+    Op.EXP2: np.exp2,
+    Op.COSINE: np.cos,
     Op.MULTIPLY_ADD: lambda a, b, c: a * b + c,
     Op.DOT: lambda a, b: (a * b).sum(-1, keepdims=True),
     Op.LENGTH: _length,

@@ -63,6 +63,8 @@ _PATTERNS = {
     Op.SIGN: "sign({})",
     Op.FLOOR: "floor({})",
     Op.SQRT: "sqrt(max({}, 0.0))",
+    Op.EXP2: "exp2({})",
+    Op.COSINE: "cos({})",
     Op.MULTIPLY_ADD: "{} * {} + {}",
     Op.DOT: "dot({}, {})",
     Op.LENGTH: "length({})",
@@ -75,7 +77,6 @@ _PATTERNS = {
     Op.COMPONENT_Y: "{}.y",
     Op.COMPONENT_Z: "{}.z",
 }
-_OF_SCALARS = {Op.COMBINE, Op.SQRT}
 
 
 def functions(formula: Formula) -> str:
@@ -148,7 +149,7 @@ class _Printer:
         else:
             assert isinstance(expr, Operation)
             widest = max(part.width for part in (expr, *expr.args))
-            width = 1 if expr.op in _OF_SCALARS else widest
+            width = 1 if expr.op is Op.COMBINE else widest
             right = _PATTERNS[expr.op].format(*(self._widened(part, width) for part in expr.args))
         return self._variable(_TYPES[expr.width], right)
 

@@ -19,6 +19,7 @@ from .fresnel import (
 )
 from .multiscatter import with_returned_energy
 from .shading import IOR, SPECULAR_LEVEL, SPECULAR_TINT, Shading
+from .thin_film import ThinFilm, is_coated, tinted
 
 _STEEPEST_CURVE = 3.0  # above this index the curve dips before it rises, and has no effective cosine
 
@@ -50,7 +51,8 @@ class Dielectric:
 
     @property
     def facets(self) -> Facets:
-        return dielectric_facets(max(self.eta, 1.0 / self.eta))
+        steepest = max(self.eta, 1.0 / self.eta)
+        return dielectric_facets(USUAL_IOR if steepest == 1.0 else steepest)  # 1: under a film
 
     @classmethod
     def wanted(cls, surface: SurfaceReading) -> Dielectric | None:
@@ -63,30 +65,55 @@ class Dielectric:
         if ior is None:
             return cls(None, USUAL_IOR, None)
         tinted = surface.color("Specular Tint") != (1.0, 1.0, 1.0)
-        return cls.of(ior, surface.scalar("Specular IOR Level"), tinted)
+        return cls.of(ior, surface.scalar("Specular IOR Level"), tinted, coated=is_coated(surface))
 
     @classmethod
-    def of(cls, ior: float, level: float | None, tinted: bool = False) -> Dielectric | None:
+    def of(cls, ior: float, level: float | None, tinted: bool = False, *, coated: bool = False) -> Dielectric | None:
         """The lobe of an index of refraction, or None where it reflects nothing.
 
         Args:
             ior: of the material.
             level: the specular IOR level, or None where it varies.
             tinted: whether the specular tint is not white all over.
+            coated: whether a film lies over it, which reflects over anything.
         """
         f0 = f0_from_ior(ior) if level is None else f0_from_ior(ior) * 2.0 * level
         eta = ior
         if level is not None and level != 0.5:
             eta = ior_from_f0(f0)
             eta = 1.0 / eta if ior < 1.0 else eta
-        if eta == 1.0 or ior == 1.0:
+        if (eta == 1.0 or ior == 1.0) and not coated:
             return None
         return cls(ior, eta, None if tinted or level is None else min(f0, 1.0))
 
     def apply(self, shading: Shading) -> Shading:
+        if shading.film is not None:
+            return self._under_film(shading, shading.film)
         reflectance = self._reflectance(shading)
         left = 1.0 - (reflectance if reflectance.width == 1 else minimum(greatest(reflectance), 1.0))
         return replace(shading, reflectance=reflectance, left=shading.left * left)
+
+    def _under_film(self, shading: Shading, film: ThinFilm) -> Shading:
+        """What is left to the base is what a mirror would leave that shines as much again, as Cycles estimates it."""
+        lobe, index = shading.lobe, self._index()
+        average, mirrored = film.over_dielectric(lobe, index), film.dielectric_at(lobe.cosine, index)
+        if self.f0 is None:
+            f0 = f0_from_ior(index)
+            average, mirrored = (tinted(one, SPECULAR_TINT, f0) for one in (average, mirrored))
+        single = lobe.albedo() * average
+        if shading.keeps_energy:
+            f0 = self._tinted_f0() if self.f0 is None else lift(self.f0)
+            single, mirrored = (with_returned_energy(one, f0, lobe) for one in (single, lobe.albedo() * mirrored))
+        left = 1.0 - minimum(greatest(mirrored), 1.0)
+        return replace(shading, reflectance=single, left=shading.left * left)
+
+    def _index(self) -> Expr:
+        """Of refraction, after the specular level."""
+        if self.f0 is not None:
+            return lift(self.eta)
+        f0 = f0_from_ior(IOR if self.ior is None else lift(self.ior))
+        index = varying_ior_from_f0(SPECULAR_LEVEL * (f0 * 2.0))
+        return lift(1.0) / index if self.ior is not None and self.ior < 1.0 else index
 
     def _reflectance(self, shading: Shading) -> Expr:
         """A scalar where F0 is grey and constant, else a colour."""

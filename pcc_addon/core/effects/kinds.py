@@ -6,13 +6,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..readings import SurfaceReading, Value
+from .anisotropy import LITTLE, Anisotropy
 from .dielectric import Dielectric
 from .glossy import Glossy
 from .metal import Metal, TintedMetal
 from .multiscatter import Multiscatter
+from .thin_film import ThinFilm
 from .transmission import Transmission
 
-SurfaceEffect = Multiscatter | Dielectric | Metal | Glossy | TintedMetal | Transmission
+SurfaceEffect = Multiscatter | Anisotropy | ThinFilm | Dielectric | Metal | Glossy | TintedMetal | Transmission
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
 MICROFACETS = {"GGX", "MULTI_GGX", "BECKMANN"}  # distributions that can be shown by levels made for GGX
@@ -28,15 +30,21 @@ class Refusal:
         why: in words.
         most: what it may be, of either sign, and still be served as if it were 0.
         served: what becomes of it then, in words.
+        if_varying: whether it keeps it from that only where it varies.
     """
 
     why: str
     most: float = 0.0
     served: str = ""
+    if_varying: bool = False
 
     def applies(self, value: Value) -> bool:
         """Whether the input, None where it varies, is the reason that a lobe keeps from showing a probe."""
-        return not isinstance(value, (int, float)) or abs(value) > self.most * (1.0 + _ROUNDING)
+        return not isinstance(value, (int, float)) or not (self.if_varying or self.ignored(value))
+
+    def ignored(self, value: Value) -> bool:
+        """Whether the input counts as 0."""
+        return isinstance(value, (int, float)) and abs(value) <= self.most * (1.0 + _ROUNDING)
 
 
 _ROUNDING = 1e-6  # of what a field in single precision says
@@ -57,32 +65,34 @@ class Kind:
     leaves_base: bool = False
 
 
-_FILM = Refusal("has a thin film (a thickness of 0 would show a probe)")
-
-
-# Of a lobe that is wider one way. A Principled BSDF's widths then are as 5 to 4, a Glossy BSDF's as 3 to 2.
-_LITTLE = 0.2
 _ANISOTROPY = Refusal(
-    f"is anisotropic by more than {_LITTLE:g} or a texture (at most {_LITTLE:g} would show a probe)",
-    _LITTLE,
+    "has an anisotropy that varies (a constant one would show a probe)",
+    LITTLE,
     "its anisotropy is little: the probe shows it as rough alike all around",
+    if_varying=True,
 )
 
 KINDS: Mapping[str, Kind] = {
     PRINCIPLED: Kind(
-        effects=(Multiscatter.wanted, Dielectric.wanted, Transmission.of_principled, Metal.wanted),
-        refused={
-            "Anisotropic": _ANISOTROPY,
-            "Thin Film Thickness": _FILM,
-        },
+        effects=(
+            Multiscatter.wanted,
+            Anisotropy.wanted,
+            ThinFilm.wanted,
+            Dielectric.wanted,
+            Transmission.of_principled,
+            Metal.wanted,
+        ),
+        refused={"Anisotropic": _ANISOTROPY},
         leaves_base=True,
     ),
-    "ShaderNodeBsdfAnisotropic": Kind((Multiscatter.wanted, Glossy.wanted), {"Anisotropy": _ANISOTROPY}),
-    "ShaderNodeBsdfMetallic": Kind(
-        (Multiscatter.wanted, TintedMetal.wanted),
-        {"Anisotropy": _ANISOTROPY, "Thin Film Thickness": _FILM},
+    "ShaderNodeBsdfAnisotropic": Kind(
+        (Multiscatter.wanted, Anisotropy.wanted, Glossy.wanted), {"Anisotropy": _ANISOTROPY}
     ),
-    "ShaderNodeBsdfGlass": Kind((Multiscatter.wanted, Transmission.of_glass), {"Thin Film Thickness": _FILM}),
+    "ShaderNodeBsdfMetallic": Kind(
+        (Multiscatter.wanted, Anisotropy.wanted, ThinFilm.wanted, TintedMetal.wanted),
+        {"Anisotropy": _ANISOTROPY},
+    ),
+    "ShaderNodeBsdfGlass": Kind((Multiscatter.wanted, ThinFilm.wanted, Transmission.of_glass), {}),
     "ShaderNodeBsdfRefraction": Kind((Multiscatter.wanted, Transmission.of_refraction), {}),
 }
 """By the type of its node. A new effect is a file beside this one and an entry here."""

@@ -33,6 +33,8 @@ _POWERS = 5  # of roughness in each coefficient
 # Of the angle between the mirrored view and the mean direction of the lobe. The mean is right for light that changes
 # slowly with the direction; small lamps show where the lobe is densest, which is nearer to the mirrored view.
 _TILT = 0.5
+# Of the lobe's light in its parts from the most grazing facets to the least; the last are all seen nearly alike.
+_SHARES = (0.4, 0.4, 0.2)
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,16 @@ class Lobe:
         v = self.grazing
         shift = multiply_add(v, multiply_add(v, second, first), multiply_add(self.cosine, slope, constant))
         return clamp(multiply_add(self.alpha, shift, self.cosine))
+
+    def facet_cosines(self) -> tuple[tuple[float, Expr], ...]:
+        """The lobe's light in three parts, the most grazing first: each one's share and mean view on its facets."""
+        v = self.grazing
+        found = []
+        for share, fit in zip(_SHARES, _facet_fits(self.distribution), strict=True):
+            constant, slope, first, second = _by_powers(fit, self.roughness)
+            shift = multiply_add(v, multiply_add(v, second, first), multiply_add(self.cosine, slope, constant))
+            found.append((share, clamp(multiply_add(self.alpha, shift, self.cosine))))
+        return tuple(found)
 
     def lean(self, facets: Facets) -> Expr:
         """How much of the normal to add to the mirrored view for the direction that most of the light comes from.
@@ -207,6 +219,21 @@ def _cosine_fit(curve: Curve, f0: float, distribution: Distribution) -> Coeffici
     weight = (1.0 - f0) * np.interp(effective, x, slope) / (f0 + (1.0 - f0) * mean) + 1e-3
     alpha, v = roughness**2, _grazing()
     return _fitted([alpha, alpha * c, alpha * v, alpha * v * v], effective - c, weight)
+
+
+@cache
+def _facet_fits(distribution: Distribution) -> tuple[Coefficients, ...]:
+    """Of the mean view on the facets of each part of the lobe's light."""
+    c, roughness, facets, weights = _grid(distribution)
+    order = np.argsort(facets, -1)
+    facets, weights = (np.take_along_axis(values, order, -1) for values in (facets, weights))
+    weights = weights / weights.sum(-1, keepdims=True)
+    light, moment = (np.pad(np.cumsum(values, -1), ((0, 0), (1, 0))) for values in (weights, weights * facets))
+    edges = np.cumsum((0.0, *_SHARES))
+    moments = np.stack([np.interp(edges, *row) for row in zip(light, moment, strict=True)])
+    alpha, v = roughness**2, _grazing()
+    terms = [alpha, alpha * c, alpha * v, alpha * v * v]
+    return tuple(_fitted(terms, mean - c, np.ones_like(c)) for mean in (np.diff(moments) / _SHARES).T)
 
 
 @cache

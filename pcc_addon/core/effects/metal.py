@@ -80,6 +80,9 @@ class Metal:
 def metallic_reflectance(shading: Shading, tint: Expr | None) -> Expr:
     """What a metal of the base colour reflects, a colour; an F82 tint darkens it towards the edge (Hoffman 2023)."""
     lobe, f0 = shading.lobe, clamp(BASE_COLOR)
+    if shading.film is not None and shading.film.on_metal:
+        single = lobe.albedo() * shading.film.over_metal(lobe, f0, tint)
+        return with_returned_energy(single, f0, lobe) if shading.keeps_energy else single
     angle = lobe.effective_cosine(schlick, _LEAST_F0)
     grazing = 1.0 - angle
     squared = grazing * grazing

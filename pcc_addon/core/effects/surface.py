@@ -10,9 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 
-from ..expression import Expr, Formula, Section, clamp, dot, lift
+from ..expression import Expr, Formula, Section, clamp, dot, lift, vector
 from ..ggx import Distribution
 from ..readings import SurfaceReading
+from .anisotropy import Anisotropy, look
 from .dominant import dominant
 from .kinds import KINDS, SurfaceEffect
 from .lobe import Lobe
@@ -20,6 +21,7 @@ from .lookup import INCOMING, MIRROR, NORMAL
 from .metal import Metal
 from .multiscatter import Multiscatter
 from .shading import BASE_COLOR, BEHIND, RADIANCE, ROUGHNESS, Shading
+from .thin_film import ThinFilm
 from .transmission import Interface, Transmission
 
 
@@ -39,6 +41,7 @@ class Ray:
 
 
 REFLECTED = Ray(MIRROR, "Radiance")
+_NO_LOBES = (Multiscatter, ThinFilm, Anisotropy)
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ class SurfaceEffects:
 
     @property
     def _reflected(self) -> tuple[Ray, ...]:
-        lobes = [e for e in self.effects if not isinstance(e, Multiscatter)]
+        lobes = [e for e in self.effects if not isinstance(e, _NO_LOBES)]
         mirroring = [e for e in lobes if not (isinstance(e, Transmission) and not e.mirrors)]
         if not mirroring:
             return ()
@@ -80,7 +83,18 @@ class SurfaceEffects:
         first, last = mirroring[0], mirroring[-1]
         mixed = isinstance(last, Metal) and last is not first
         facets = (first.facets, last.facets) if mixed else (first.facets,)
-        return (Ray(dominant(facets, self.distribution), "Radiance", self.distribution.nearest),)
+        wide = self.anisotropy
+        if wide is None:
+            return (Ray(dominant(facets, self.distribution), "Radiance", self.distribution.nearest),)
+        narrowing = wide.narrowing * self.distribution.nearest
+        return tuple(
+            Ray(look(wide, k, facets, self.distribution), f"Radiance {k}", narrowing) for k in range(len(wide.places))
+        )
+
+    @property
+    def anisotropy(self) -> Anisotropy | None:
+        """Of its lobe, where that is to be seen."""
+        return next((effect for effect in self.effects if isinstance(effect, Anisotropy)), None)
 
     @property
     def transmits(self) -> bool:
@@ -99,7 +113,7 @@ def surface_effects(surface: SurfaceReading, interface: Interface = Interface.SO
     kind = KINDS[surface.kind]
     found = [effect for wanted in kind.effects if (effect := wanted(surface)) is not None]
     found = [replace(effect, interface=interface) if isinstance(effect, Transmission) else effect for effect in found]
-    reflects = any(not isinstance(effect, Multiscatter) for effect in found)
+    reflects = any(not isinstance(effect, _NO_LOBES) for effect in found)
     roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
     smooth = roughness is not None and roughness <= 0.0
     beckmann = surface.distribution == "BECKMANN" and not smooth
@@ -119,9 +133,17 @@ def surface(effects: SurfaceEffects) -> dict[str, Expr]:
     shading = Shading(Lobe(cosine, ROUGHNESS, effects.distribution), lift(0.0), lift(1.0))
     for effect in effects.effects:
         shading = effect.apply(shading)
-    radiances = {"Radiance": RADIANCE * shading.reflectance, "Transmitted Radiance": BEHIND * shading.transmittance}
-    first, *others = (radiances[ray.radiance] for ray in effects.rays)
-    reflection = {"Reflection": sum(others, first)}
+    wide = effects.anisotropy
+    mirrored: Expr = RADIANCE
+    if wide is not None:
+        first, *others = (vector(f"Radiance {k}") * share for k, share in enumerate(wide.shares()))
+        mirrored = Section("Looks", sum(others, first))
+    parts = []
+    if any(ray.radiance != "Transmitted Radiance" for ray in effects.rays):
+        parts.append(mirrored * shading.reflectance)
+    if effects.transmits:
+        parts.append(BEHIND * shading.transmittance)
+    reflection = {"Reflection": sum(parts[1:], parts[0])}
     return {**reflection, "Diffuse Color": BASE_COLOR * shading.left} if effects.leaves_base else reflection
 
 

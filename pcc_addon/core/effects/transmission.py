@@ -34,7 +34,8 @@ from ..expression import (
 from ..readings import SurfaceReading
 from .fresnel import USUAL_IOR, Facets, curve_position, dielectric_facets, f0_from_ior, fresnel
 from .lookup import INCOMING, NORMAL
-from .shading import BASE_COLOR, COLOR, IOR, SPECULAR_TINT, TRANSMISSION, Shading
+from .shading import BASE_COLOR, COLOR, FILM_IOR, IOR, SPECULAR_TINT, TRANSMISSION, Shading
+from .thin_film import tinted
 
 BACKFACING = scalar("Backfacing")  # 1 where the inner side of a surface is seen, else 0
 DIMENSIONS = vector("Dimensions")  # of the object's bounds along its own axes, metres
@@ -149,19 +150,23 @@ class Transmission:
     def _interface(self, shading: Shading) -> tuple[Expr, Expr]:
         """What one interface reflects and lets through of white light, before the tints."""
         lobe = shading.lobe
-        if self.ior is not None and abs(self.ior - 1.0) < _NO_STEP:
+        if self.ior is not None and abs(self.ior - 1.0) < _NO_STEP and shading.film is None:
             return lift(0.0), lift(1.0)
         if not self.mirrors:
             return lift(0.0), lobe.transmittance(self._usual)
         most = max(self._usual, 1.0 / self._usual)
         index = IOR if self.ior is None else lift(self.ior)
-        facet = fresnel(lobe.effective_cosine(curve_position(most), f0_from_ior(most)), self._eta(index))
-        tinted = facet
-        if not self.colored:
-            f0 = f0_from_ior(index)
-            position = (facet - f0) / (1.0 - f0)
-            tinted = maximum(mix(SPECULAR_TINT * f0, 1.0, position), 0.0)
-        mirrored, passed = lobe.albedo() * tinted, lobe.transmittance(self._usual) * (1.0 - facet)
+        if shading.film is not None:
+            facet = shading.film.over_dielectric(lobe, self._eta(index), self._eta_of_film(index))
+            reflected = facet if self.colored else tinted(facet, SPECULAR_TINT, f0_from_ior(index))
+        else:
+            facet = fresnel(lobe.effective_cosine(curve_position(most), f0_from_ior(most)), self._eta(index))
+            reflected = facet
+            if not self.colored:
+                f0 = f0_from_ior(index)
+                position = (facet - f0) / (1.0 - f0)
+                reflected = maximum(mix(SPECULAR_TINT * f0, 1.0, position), 0.0)
+        mirrored, passed = lobe.albedo() * reflected, lobe.transmittance(self._usual) * (1.0 - facet)
         if not shading.keeps_energy:
             return mirrored, passed
         all_of_it = lobe.albedo() * facet + passed
@@ -170,6 +175,10 @@ class Transmission:
     def _eta(self, index: Expr) -> Expr:
         """The index of what is behind the surface over that of what is before it."""
         return _seen_from(index) if self.interface is Interface.ONCE else index
+
+    def _eta_of_film(self, index: Expr) -> Expr:
+        """The index of a film over the surface over that of what is before it."""
+        return FILM_IOR * mix(1.0, lift(1.0) / index, BACKFACING) if self.interface is Interface.ONCE else FILM_IOR
 
 
 _NOT_QUITE_ALL = 1.0 - 2.0**-20
