@@ -68,7 +68,7 @@ def test_a_picture_of_a_sequence_is_shown_as_one_and_a_still_as_a_file(scene, tm
     assert probe.pcc_probe.levels[0].image.source == "FILE"
     first = replace(level, key=replace(level.key, number=0), file="other_0001.exr")
     (tmp_path / first.file).write_bytes((tmp_path / level.file).read_bytes())
-    [image] = keeping.linked(tmp_path, [first], keeping.own_images(probe), probe).values()
+    [image] = keeping.linked(tmp_path, [first], keeping.own_images(probe, Holders()), probe).values()
     assert image.source == "SEQUENCE" and probe.pcc_probe.levels[0].image == image
 
 

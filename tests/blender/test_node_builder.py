@@ -271,6 +271,7 @@ def test_the_surface_group_computes_the_formula(scene, rng, effects) -> None:
         "Radiance": 10.0 ** rng.uniform(-3.0, 3.0, (CASES, 3)),
         "Base Color": rng.random((CASES, 3)),
         "Metallic": rng.random(CASES),
+        "Captured": rng.random(CASES).round(),
         "Roughness": np.where(rng.random(CASES) < 0.2, 0.0, rng.random(CASES)),
         "Specular IOR Level": rng.random(CASES),
         "Specular Tint": rng.random((CASES, 3)),

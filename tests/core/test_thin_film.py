@@ -109,6 +109,7 @@ def reflected(
         "Specular IOR Level": 0.5,
         "Specular Tint": np.ones(3),
         "Metallic": 0.0,
+        "Captured": 0.0,
         "IOR": 1.5,
         "Thin Film Thickness": thickness,
         "Thin Film IOR": film,
