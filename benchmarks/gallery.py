@@ -22,7 +22,7 @@ from pcc_addon.blender.rendering import RenderSettings, render
 
 WIDTH, HEIGHT = 240, 150
 TRUTH_SAMPLES, SHOWN_SAMPLES = 96, 24
-COLORS = 160  # of a strip
+COLORS, ROUNDS = 256, 2  # of a strip, and of k-means over them: fewer make steps in soft reflections
 IMAGES = ROOT / "docs" / "images" / "gallery"
 ERRORS = "Relative errors"  # what a strip's file calls them
 
@@ -63,7 +63,7 @@ def _strip(files: list[Path], errors: list[float], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     noted = PngInfo()
     noted.add_text(ERRORS, " ".join(f"{error:.3f}" for error in errors))
-    sheet.quantize(COLORS, dither=Image.Dither.NONE).save(path, optimize=True, pnginfo=noted)
+    sheet.quantize(COLORS, kmeans=ROUNDS, dither=Image.Dither.NONE).save(path, optimize=True, pnginfo=noted)
 
 
 def _errors(system: System) -> list[str]:

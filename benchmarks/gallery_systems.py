@@ -247,7 +247,8 @@ SYSTEMS = (
         "update only when needed",
         "update",
         "moving.py",
-        "Frame 20 of the moving room, with the picture of that frame.",
+        "Frame 20 of the moving room, with the picture of that frame. The floor lacks the ball, which is hidden from "
+        "the room's probe.",
         scenes.moving_room,
         ("Ball", "Wall -Z"),
         "the picture of frame 1",
