@@ -8,22 +8,28 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
+from unittest.mock import patch
 
 import bpy
 from mathutils import Matrix
 
-from benchmarks import doorway, interior, moving
+from benchmarks import anisotropy, doorway, engines, interior, moving
+from pcc_addon.blender.compat import engine_id
 from pcc_addon.blender.read.probes import bake_record
 from pcc_addon.blender.shade.interior import interior_node
+from pcc_addon.core.effects import metal
+from pcc_addon.core.effects.surface import surface_formula
+from pcc_addon.core.probe import Engine
 from sample_blends import any_cubemap, by_hand
 from sample_blends.scenes import (
     EMISSIVE_ROOM,
     Room,
+    add_camera,
     add_room_probe,
     emissive_room,
     principled_node,
 )
-from sample_blends.two_rooms import two_rooms
+from sample_blends.two_rooms import LOUNGE, of_metal, two_rooms
 
 FACE, LIT_FACE, SAMPLES = 256, 128, 16  # of captures; the second of rooms with lamps, whose pictures are softer
 _FILES = TemporaryDirectory()  # until the interpreter ends; Blender's own goes with the file that is open
@@ -93,6 +99,24 @@ def lamps_lost() -> None:
         lamp.visible_glossy = True
 
 
+def mirrored_steel() -> None:
+    """A near look into the mirror; without the table, which is off the walls and would be seen lying on the floor."""
+    scene = of_metal()
+    for item in list(scene.objects):
+        if item.name.startswith(("Lounge Table", "Lounge Leg", "Lounge Pot")):
+            bpy.data.objects.remove(item)
+    bpy.data.objects.remove(scene.camera)
+    add_camera(LOUNGE.world(0.6, -0.2, 0.35), LOUNGE.world(2.48, 0.4, 0.05), 30.0, 240, 150)
+
+
+def metals_black() -> None:
+    bpy.ops.pcc.remove()
+    surface_formula.cache_clear()
+    with patch.object(metal, "MATT", 0.0):
+        bpy.ops.pcc.bake(scope="ALL")
+    surface_formula.cache_clear()
+
+
 def painted_walls(matrix: Matrix | None = None) -> None:
     """A mirror ball in a room of marked walls."""
     any_cubemap.mirror_ball()
@@ -113,15 +137,28 @@ def lounge_alone() -> None:
     doorway.show(("Lounge",))
 
 
-def rough_floor() -> None:
-    two_rooms(0.22)
+def without_mirrors(roughness: float | None = None) -> None:
+    """The two rooms; no probe shows what a mirror shows."""
+    two_rooms(roughness)
     for name in ("Lounge Mirror", "Study Mirror"):
-        bpy.data.objects.remove(bpy.data.objects[name])  # no probe shows what a mirror shows
+        bpy.data.objects.remove(bpy.data.objects[name])
+
+
+def rough_floor() -> None:
+    without_mirrors(0.22)
     principled_node(bpy.data.materials["Tiles"]).inputs["IOR"].default_value = 2.5
 
 
 def sharp_picture() -> None:
     principled_node(bpy.data.materials["Tiles"]).inputs["Roughness"].default_value = 0.0
+
+
+def low_over_rough_metal() -> None:
+    mirror_floor()
+    principled_node(bpy.data.materials["Mirror"]).inputs["Roughness"].default_value = 0.45
+    bpy.data.objects.remove(bpy.context.scene.camera)
+    room = EMISSIVE_ROOM
+    add_camera(room.world(-4.2, -3.3, 0.4 - room.half_extents[2]), room.world(1.2, 0.9, -2.0), 24.0, 240, 150)
 
 
 def hardening_floor() -> None:
@@ -133,6 +170,16 @@ def hardening_floor() -> None:
 
 def not_hardened() -> None:
     bpy.data.objects["Room"].pcc_probe.contact_hardening = False
+
+
+def brushed_ball() -> None:
+    _, ball = anisotropy.build("ball", True)
+    inputs = principled_node(ball.data.materials[0]).inputs
+    inputs["Roughness"].default_value, inputs["Anisotropic"].default_value = 0.3, 0.9
+
+
+def brushed_no_more() -> None:
+    principled_node(bpy.data.materials["Brushed"]).inputs["Anisotropic"].default_value = 0.0
 
 
 def waves() -> None:
@@ -217,6 +264,16 @@ def glossy_ball() -> Iterator[None]:
     slots[0] = shown
     for other in others:
         other.visible_glossy = True
+
+
+def metal_under_a_lamp() -> None:
+    engines.build(next(case for case in engines.CASES if case.name == "metal, roughness 0.3"), True)
+
+
+def in_eevee() -> None:
+    scene = bpy.context.scene
+    scene.render.engine = engine_id(Engine.EEVEE)
+    scene.eevee.use_raytracing = True
 
 
 def already() -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from benchmarks import doorway, interior
+from benchmarks import doorway, interior, lobe_shape, thin_film
 from benchmarks import gallery_scenes as scenes
 from sample_blends import by_hand, glass
 from sample_blends.scenes import EMISSIVE_ROOM, Room, gallery
@@ -29,6 +29,8 @@ class System:
         without: makes it so, after the bake; may bake again.
         bake: bakes.
         traced: the scene as the path tracer is to see it, meanwhile.
+        lacked: what holds while the third picture is made.
+        noisy: samples of the second and third picture where these are to keep their noise.
     """
 
     title: str
@@ -41,6 +43,8 @@ class System:
     without: Callable[[], None] = lambda: scenes.uncorrected()
     bake: Callable[[], object] = lambda: bpy.ops.pcc.bake(scope="ALL")
     traced: Callable[[], AbstractContextManager[object]] = nullcontext
+    lacked: Callable[[], AbstractContextManager[object]] = nullcontext
+    noisy: int | None = None
 
 
 SYSTEMS = (
@@ -59,8 +63,8 @@ SYSTEMS = (
         "inside-box intersection, any box",
         "inside_box",
         "scenes.py",
-        "A mirror floor: each wall's reflection meets the wall. The thin dark line there is the floor itself, which is "
-        "matt in captures as metals are: the picture's outermost texels mix it in.",
+        "A mirror floor: each wall's reflection meets the wall. The floor itself is matt and grey in captures, as "
+        "metals are, and the picture's outermost texels mix it in: a faint line along the foot of the dark squares.",
         scenes.mirror_floor,
         ("Wall -Z",),
     ),
@@ -109,6 +113,17 @@ SYSTEMS = (
         scenes.lamps_lost,
     ),
     System(
+        "metals in captures",
+        "metals",
+        "two_rooms.py",
+        "The mirror in the furnished room; the shelves that it shows are of steel. Captures see metals matt, in half "
+        "their colour. The table is left out: off the walls it would be shown lying on the floor.",
+        scenes.mirrored_steel,
+        ("Lounge Mirror",),
+        "metals black in captures",
+        scenes.metals_black,
+    ),
+    System(
         "boxes along the axes, the cheaper case",
         "along_axes",
         "scenes.py",
@@ -146,6 +161,18 @@ SYSTEMS = (
         scenes.sharp_picture,
     ),
     System(
+        "rough lobes at grazing angles",
+        "grazing",
+        "scenes.py",
+        "A metal floor of roughness 0.45, seen from 0.4 m above it: half of its lobe would be below the floor, so its "
+        "light comes from nearer to the normal.",
+        scenes.low_over_rough_metal,
+        ("Wall -Z",),
+        "along the mirrored view",
+        bpy.ops.pcc.remove,
+        lacked=lobe_shape.along_the_mirrored_view,
+    ),
+    System(
         "contact hardening",
         "contact_hardening",
         "scenes.py",
@@ -154,6 +181,27 @@ SYSTEMS = (
         ("Wall -Z",),
         "without hardening",
         scenes.not_hardened,
+    ),
+    System(
+        "anisotropy",
+        "anisotropy",
+        "scenes.py",
+        "A ball of brushed metal, which stretches the picture of a lamp. The floor that it shows lacks its shadow, as "
+        "the ball is hidden from the capture.",
+        scenes.brushed_ball,
+        ("Sphere",),
+        "rough alike all around",
+        scenes.brushed_no_more,
+    ),
+    System(
+        "thin films",
+        "thin_film",
+        "scenes.py",
+        "A dark floor under a film, from 100 nm on the left to 800 nm on the right.",
+        lambda: thin_film.film_room("dielectric", 0.0),
+        ("Wall -Z",),
+        "without the film",
+        thin_film.without_film,
     ),
     System(
         "perturbed normals",
@@ -199,7 +247,8 @@ SYSTEMS = (
         "update only when needed",
         "update",
         "moving.py",
-        "Frame 20 of the moving room, with the picture of that frame.",
+        "Frame 20 of the moving room, with the picture of that frame. The floor lacks the ball, which is hidden from "
+        "the room's probe.",
         scenes.moving_room,
         ("Ball", "Wall -Z"),
         "the picture of frame 1",
@@ -213,6 +262,30 @@ SYSTEMS = (
         "A ball, an egg and a pane of glass.",
         glass.glass,
         ("Ball", "Egg", "Pane"),
+    ),
+    System(
+        "the result in each engine, EEVEE's ray tracing",
+        "engines",
+        "scenes.py",
+        "A metal floor of roughness 0.3 in a small room with a lamp; EEVEE's own ray tracing is on. The floor shows "
+        "the same picture in both; the walls are EEVEE's own, without light from wall to wall. The pale seam is the "
+        "floor, matt in the capture, which the lobe mixes in.",
+        scenes.metal_under_a_lamp,
+        ("Wall -Z",),
+        "the probe in EEVEE",
+        scenes.in_eevee,
+    ),
+    System(
+        "which rays see the probe, fireflies",
+        "noise",
+        "two_rooms.py",
+        "Eight samples a pixel in the second and third picture, not denoised: on the floor the probe has less noise. "
+        "Paths that left a diffuse surface meet the floor's own lobe, so the walls have the noise that they had.",
+        scenes.without_mirrors,
+        ("Lounge -Z",),
+        "path-traced with as many samples",
+        lambda: doorway.show(()),
+        noisy=8,
     ),
     System(
         "no self image: hidden and followed objects",

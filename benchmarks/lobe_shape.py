@@ -15,8 +15,8 @@ from unittest.mock import patch
 import bpy
 import numpy as np
 
-from benchmarks.measure import covered, relative_rmse, render, start, table, write_page
-from benchmarks.noise import receivers
+from benchmarks.measure import covered, pixels_of, relative_rmse, render, start, table, write_page
+from benchmarks.noise import TWO
 from pcc_addon.core import equirect
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects.dominant import dominant
@@ -278,7 +278,7 @@ def in_the_lounge() -> Iterator[list[str]]:
         _make_floor(bpy.data.materials["Tiles"], name, roughness)
         for probe in _probes(scene):
             probe.resolution, probe.samples = 256, 32
-        mask, truth = receivers(scene), render(scene, samples=768).pixels
+        mask, truth = pixels_of(scene, TWO), render(scene, samples=768).pixels
         bpy.ops.pcc.bake(scope="ALL")
         yield ["furnished", name, f"{roughness:g}", *_errors(scene, truth, mask, 96, False)]
 
