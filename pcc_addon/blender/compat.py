@@ -19,6 +19,9 @@ EEVEE_DRAWS_LAMPS = bpy.app.version >= (5, 2)
 # Before 5.0 Cycles shows thin films over dielectrics only.
 FILMS_ON_METAL = bpy.app.version >= (5, 0)
 
+# Before 5.2 Cycles has too little memory for a shader with films over a metal and over a dielectric.
+FILMS_ON_BOTH = bpy.app.version >= (5, 2)
+
 # Before 5.0 the file of one view of several cannot be read back as a picture.
 VIEWS_CAN_BE_READ = bpy.app.version >= (5, 0)
 

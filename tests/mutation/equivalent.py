@@ -48,7 +48,7 @@ _VIEW = (
     'MIRRORED_VIEW = Formula("Mirrored View", '
     '{"Direction": reflect(INCOMING, given_or(NORMAL, SURFACE_NORMAL)) * -1.0})'
 )
-_STEP = "if self.ior is not None and abs(self.ior - 1.0) < _NO_STEP:"
+_STEP = "if self.ior is not None and abs(self.ior - 1.0) < _NO_STEP and shading.film is None:"
 _LEAVING = 'leaving = Section("Far side", normalize(AXIS_X * far.x + AXIS_Y * far.y + AXIS_Z * far.z) * -1.0)'
 _BOX_AXES = 'axes = dict(zip("XYZ", matrix[:3, :3].T, strict=True))'
 _UPRIGHT = 'up = axes["Z"] * (-1.0 if axes["Z"][2] < 0.0 else 1.0)'
