@@ -26,6 +26,7 @@ class SurfaceReading:
         distribution: of its microfacets, such as "MULTI_GGX"; empty where it has none.
         fresnel: its choice of a Fresnel curve, such as "F82"; empty where it has none.
         films_on_metal: whether its renderer shows thin films over metals too.
+        films_on_both: whether its renderer has room for films over a metal and over a dielectric in one surface.
     """
 
     path: tuple[str, ...]
@@ -34,6 +35,7 @@ class SurfaceReading:
     distribution: str = ""
     fresnel: str = ""
     films_on_metal: bool = True
+    films_on_both: bool = True
 
     def has(self, name: str) -> bool:
         return any(known == name for known, _ in self.inputs)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -172,6 +174,17 @@ def test_a_film_is_wanted_where_it_may_be_somewhere() -> None:
     assert film(Thin_Film_Thickness=0.0) == film(Thin_Film_Thickness=0.05) == []
     assert film(Thin_Film_Thickness=300.0) == film(Thin_Film_Thickness=None) == [ThinFilm()]
     assert film(Thin_Film_Thickness=300.0, Roughness=0.0) == [ThinFilm(smooth=True)]
+
+
+def test_a_film_keeps_off_metal_where_a_renderer_shows_none_or_has_no_room() -> None:
+    def on_metal(metallic: float | None, **renderer: bool) -> list[bool]:
+        reading = replace(scenes.surface(Thin_Film_Thickness=300.0, Metallic=metallic), **renderer)
+        return [e.on_metal for e in surface_effects(reading).effects if isinstance(e, ThinFilm)]
+
+    for metallic in (0.0, 0.5, None, 1.0):
+        assert on_metal(metallic) == [True]
+        assert on_metal(metallic, films_on_both=False) == [metallic in (0.0, 1.0)]
+        assert on_metal(metallic, films_on_metal=False) == ([] if metallic == 1.0 else [False])
 
 
 def test_a_film_reflects_over_what_reflects_nothing() -> None:

@@ -12,8 +12,9 @@ from mathutils import Vector
 from benchmarks.measure import relative_rmse, render
 from pcc_addon.blender.shade.twin import has_twins
 from pcc_addon.core.probe import Engine
-from sample_blends.scenes import Room, add_camera, add_wall, empty_scene, principled
+from sample_blends.scenes import Room, add_camera, add_wall, principled
 from tests.blender.helpers import bake, glow, put_in, small_probe
+from tests.render.white import white_scene
 
 KINDS = {
     "principled": ("ShaderNodeBsdfPrincipled", {"Transmission Weight": 1.0, "IOR": 1.45}),
@@ -25,11 +26,7 @@ KINDS = {
 
 @pytest.fixture
 def white_world(addon: None) -> bpy.types.Scene:
-    scene = empty_scene()
-    background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
-    background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    background.inputs["Strength"].default_value = 1.0
-    return scene
+    return white_scene()
 
 
 def glass(kind: str, roughness: float, color: tuple, distribution: str = "GGX") -> bpy.types.Material:

@@ -11,7 +11,8 @@ from mathutils import Vector
 
 from benchmarks.measure import render
 from pcc_addon.blender.shade.twin import has_twins
-from sample_blends.scenes import add_camera, empty_scene, principled
+from sample_blends.scenes import add_camera, principled
+from tests.render.white import plane_under_a_white_sky
 
 ANGLES = [math.radians(a) for a in (90, 45, 20, 8)]
 
@@ -56,17 +57,7 @@ OTHERS = [
 
 @pytest.fixture(scope="module")
 def white_world(addon: None) -> bpy.types.Scene:
-    """A plane at the middle of a big probe, in a world of radiance 1."""
-    scene = empty_scene()
-    background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
-    background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    background.inputs["Strength"].default_value = 1.0
-    bpy.ops.mesh.primitive_plane_add(size=100.0)
-    bpy.ops.pcc.probe_add(name="Sky", half_extents=(60, 60, 60), capture_offset=(0, 0, 1))
-    settings = bpy.data.objects["Sky"].pcc_probe
-    settings.resolution, settings.samples, settings.denoise = 16, 1, False
-    settings.hidden_objects.add().object = bpy.data.objects["Plane"]
-    return scene
+    return plane_under_a_white_sky()
 
 
 def _seen(scene: bpy.types.Scene, samples: int) -> np.ndarray:

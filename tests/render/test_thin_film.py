@@ -12,8 +12,9 @@ from mathutils import Vector
 from benchmarks.measure import render
 from pcc_addon.blender import compat
 from pcc_addon.blender.shade.twin import has_twins
-from sample_blends.scenes import add_camera, empty_scene, principled
-from tests.blender.helpers import bake, put_in, small_probe
+from sample_blends.scenes import add_camera, principled
+from tests.blender.helpers import bake, put_in
+from tests.render.white import plane_under_a_white_sky
 
 ANGLES = (90, 45, 20, 8)
 PRINCIPLED, METALLIC, GLASS = "ShaderNodeBsdfPrincipled", "ShaderNodeBsdfMetallic", "ShaderNodeBsdfGlass"
@@ -34,15 +35,7 @@ OTHERS = [
 
 @pytest.fixture
 def white_world(addon: None) -> bpy.types.Scene:
-    """A plane at the middle of a big probe, in a world of radiance 1."""
-    scene = empty_scene()
-    background = next(n for n in scene.world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
-    background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    background.inputs["Strength"].default_value = 1.0
-    bpy.ops.mesh.primitive_plane_add(size=100.0)
-    probe = small_probe("Sky", (0.0, 0.0, 0.0), (60.0, 60.0, 60.0), capture_offset=(0.0, 0.0, 1.0))
-    probe.pcc_probe.hidden_objects.add().object = bpy.data.objects["Plane"]
-    return scene
+    return plane_under_a_white_sky()
 
 
 def coated(kind: str, inputs: dict, color: tuple = (0.6, 0.3, 0.1), distribution: str = "") -> bpy.types.Material:

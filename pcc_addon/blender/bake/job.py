@@ -313,7 +313,7 @@ def _show_diffuse_only(stack: ExitStack, plan: Plan) -> None:
     """Switch off injected reflections, and the specular lobes of materials that will show a probe.
 
     What a lobe sends to the capture point depends on where one stands, so it is no part of the picture; metals are seen
-    matt in their colour. Diffuse surfaces get the light of the lobes as ever.
+    matt in half their colour. Diffuse surfaces get the light of the lobes as ever.
     """
     stack.callback(groups.drop_unused_groups)
     by_hand.hide(stack)

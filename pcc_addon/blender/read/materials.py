@@ -88,14 +88,14 @@ def _leaves(
 
 def _surface(node: bpy.types.Node, scope: Scope) -> SurfaceReading:
     inputs = tuple((socket.name, constant(socket, scope)) for socket in node.inputs if socket.enabled)
-    unmixed = dict(inputs).get("Metallic", 1.0) in (0.0, 1.0)
     return SurfaceReading(
         scope.path(node),
         node.bl_idname,
         inputs,
         getattr(node, "distribution", ""),
         getattr(node, "fresnel_type", ""),
-        compat.FILMS_ON_METAL and (unmixed or compat.FILMS_ON_BOTH),
+        compat.FILMS_ON_METAL,
+        compat.FILMS_ON_BOTH,
     )
 
 

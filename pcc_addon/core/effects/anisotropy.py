@@ -16,12 +16,10 @@ from ..expression import (
     Expr,
     Formula,
     Section,
-    clamp,
     cosine,
     cross,
     dot,
     maximum,
-    mix,
     multiply_add,
     normalize,
     reflect,
@@ -30,10 +28,10 @@ from ..expression import (
 )
 from ..ggx import Distribution
 from ..readings import SurfaceReading
+from .dominant import bent, seen_lobe, words
 from .fresnel import Facets
-from .lobe import Lobe
 from .lookup import INCOMING, NORMAL
-from .shading import METALLIC, ROUGHNESS, Shading
+from .shading import ROUGHNESS, Shading
 
 TANGENT = vector("Tangent")  # in world space, of any length, not along the normal
 LITTLE = 0.2
@@ -166,13 +164,10 @@ def look(anisotropy: Anisotropy, k: int, facets: tuple[Facets, ...], distributio
     Args:
         anisotropy: of the lobe.
         k: which look.
-        facets: of the lobe; where a metallic lobe is mixed by Metallic over another, of both, the metallic one last.
+        facets: of the lobe, as for `bent`.
         distribution: of them.
     """
-    view = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))
-    lobe = Lobe(view, ROUGHNESS * anisotropy.narrowing, distribution)
-    lean = lobe.lean(facets[0]) if len(facets) == 1 else mix(lobe.lean(facets[0]), lobe.lean(facets[1]), METALLIC)
+    lobe = seen_lobe(ROUGHNESS * anisotropy.narrowing, distribution)
     mirrored = reflect(INCOMING, _facet(anisotropy.wide_axis(), anisotropy.places[k])) * -1.0
-    title = " over ".join(one.label for one in reversed(facets)) + distribution.words
-    direction = normalize(multiply_add(NORMAL, Section("Dominant direction", lean), mirrored))
-    return Formula(f"Look {k}, {anisotropy.label}, {title}", {"Direction": direction})
+    title = f"Look {k}, {anisotropy.label}, {words(facets, distribution)}"
+    return Formula(title, {"Direction": bent(lobe, facets, mirrored)})

@@ -17,9 +17,27 @@ from .lookup import INCOMING, MIRRORED, NORMAL
 from .shading import METALLIC, ROUGHNESS
 
 
-def _lean(lobe: Lobe, facets: tuple[Facets, ...]) -> Expr:
+def seen_lobe(roughness: Expr, distribution: Distribution) -> Lobe:
+    """The lobe of a roughness under the view's angle."""
+    return Lobe(Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12)), roughness, distribution)
+
+
+def bent(lobe: Lobe, facets: tuple[Facets, ...], mirrored: Expr) -> Expr:
+    """Where a lobe is looked up, unit: as far from the mirrored view towards the normal as its light comes from.
+
+    Args:
+        lobe: the lobe.
+        facets: of it; where a metallic lobe is mixed by Metallic over another, of both, the metallic one last.
+        mirrored: the mirrored view, unit.
+    """
     first, *metal = facets
-    return mix(lobe.lean(first), lobe.lean(metal[0]), METALLIC) if metal else lobe.lean(first)
+    lean = mix(lobe.lean(first), lobe.lean(metal[0]), METALLIC) if metal else lobe.lean(first)
+    return normalize(multiply_add(NORMAL, Section("Dominant direction", lean), mirrored))
+
+
+def words(facets: tuple[Facets, ...], distribution: Distribution) -> str:
+    """What a lobe is of, for titles; unique."""
+    return " over ".join(one.label for one in reversed(facets)) + distribution.words
 
 
 @cache
@@ -27,10 +45,8 @@ def dominant(facets: tuple[Facets, ...], distribution: Distribution = Distributi
     """The reflected ray of a rough surface, "Direction", unit.
 
     Args:
-        facets: of its lobe; where a metallic lobe is mixed by Metallic over another, of both, the metallic one last.
+        facets: of its lobe, as for `bent`.
         distribution: of them.
     """
-    cosine = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))
-    lean = Section("Dominant direction", _lean(Lobe(cosine, ROUGHNESS, distribution), facets))
-    title = " over ".join(one.label for one in reversed(facets)) + distribution.words
-    return Formula(f"Dominant Direction, {title}", {"Direction": normalize(multiply_add(NORMAL, lean, MIRRORED))})
+    direction = bent(seen_lobe(ROUGHNESS, distribution), facets, MIRRORED)
+    return Formula(f"Dominant Direction, {words(facets, distribution)}", {"Direction": direction})

@@ -69,10 +69,13 @@ class ThinFilm:
 
     @classmethod
     def wanted(cls, surface: SurfaceReading) -> ThinFilm | None:
-        pure = surface.has("Metallic") and (surface.scalar("Metallic") or 0.0) >= 1.0
+        metallic = surface.scalar("Metallic") if surface.has("Metallic") else 0.0
+        pure = metallic is not None and metallic >= 1.0
         if not is_coated(surface) or (pure and not surface.films_on_metal):
             return None
-        return cls(surface.scalar("Roughness") == 0.0, surface.films_on_metal)
+        mixed = metallic != 0.0 and not pure
+        on_metal = surface.films_on_metal and (surface.films_on_both or not mixed)
+        return cls(surface.scalar("Roughness") == 0.0, on_metal)
 
     def apply(self, shading: Shading) -> Shading:
         return replace(shading, film=self)
