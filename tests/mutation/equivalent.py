@@ -10,7 +10,7 @@ _MEAN = "return float(probe.within_influence(points).mean()), float(distances.ma
 _SHARED_DEPTH = "box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction"
 _NONE_LEFT = "return replace(shading, reflectance=single, left=shading.left * 0.0)"
 _CRITICAL = "return np.where(g2 > 0.0, 0.5 * a * a * (1.0 + b * b), 1.0)"
-_GRAZING = 'cosine = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))'
+_SEEN_LOBE = 'return Lobe(Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12)), roughness, distribution)'
 _COSINES = "_COSINES = np.concatenate([[0.0002, 0.001, 0.002, 0.004, 0.008], 0.5 - 0.5 * np.cos(_ANGLES), [1.0]])"
 _ROUGHNESSES = (
     "_ROUGHNESSES = np.array("
@@ -73,7 +73,6 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ): "the same nodes under another title",
     ("core/effects/glossy.py", _NONE_LEFT, "shading.left * 0.0", "shading.left / 0.0"): "nodes divide by 0 to 0",
     ("core/effects/fresnel.py", _CRITICAL, "g2 > 0.0", "g2 >= 0.0"): "at the critical angle both are 1",
-    ("core/effects/surface.py", _GRAZING, "1e-12", "1.5e-12"): "as good as 0",
     ("core/effects/lobe.py", _COSINES, "0.002", "0.003"): "one of many points of a fit",
     ("core/effects/lobe.py", _ROUGHNESSES, "0.16", ""): "one of many points of a fit",
     ("core/effects/lobe.py", _WEIGHT, "roughness <= _IMPORTANT", "roughness < _IMPORTANT"): "no point lies on it",
@@ -99,7 +98,7 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
         "sqrt(b * b - 4.0 * a * c) * (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
         "sqrt(b * b - 4.0 * a * c) / (minimum(sign(i_x), 0.0) * -2.0 - 1.0)",
     ): "by 1 or -1",
-    ("core/effects/dominant.py", _GRAZING, "1e-12", "1.5e-12"): "as good as 0",
+    ("core/effects/dominant.py", _SEEN_LOBE, "1e-12", "1.5e-12"): "as good as 0",
     (
         "core/effects/shading.py", "transmittance: Expr = field(default_factory=lambda: lift(0.0))", "0.0", "1.0",
     ): "nobody reads it before a transmission says what it is",

@@ -19,6 +19,7 @@ from .shading import METALLIC, ROUGHNESS
 
 def seen_lobe(roughness: Expr, distribution: Distribution) -> Lobe:
     """The lobe of a roughness under the view's angle."""
+    # At 0 and below the critical angle Fresnel's terms are 0/0.
     return Lobe(Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12)), roughness, distribution)
 
 

@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 
-from ..expression import Expr, Formula, Section, clamp, dot, lift, vector
+from ..expression import Expr, Formula, Section, lift, vector
 from ..ggx import Distribution
 from ..readings import SurfaceReading
 from .anisotropy import Anisotropy, look
-from .dominant import dominant
+from .dominant import dominant, seen_lobe
 from .kinds import KINDS, SurfaceEffect
-from .lobe import Lobe
-from .lookup import INCOMING, MIRROR, NORMAL
+from .lookup import MIRROR
 from .metal import Metal
 from .multiscatter import Multiscatter
 from .shading import BASE_COLOR, BEHIND, RADIANCE, ROUGHNESS, Shading
@@ -128,9 +127,7 @@ def surface(effects: SurfaceEffects) -> dict[str, Expr]:
         "Reflection": the radiance that the specular lobe, and what passes, sends to the eye; where a base is left,
         "Diffuse Color": the base colour for a BSDF without specular and metal. Both are linear colours.
     """
-    # At 0 and below the critical angle Fresnel's terms are 0/0.
-    cosine = Section("View angle", clamp(dot(NORMAL, INCOMING), 1e-12))
-    shading = Shading(Lobe(cosine, ROUGHNESS, effects.distribution), lift(0.0), lift(1.0))
+    shading = Shading(seen_lobe(ROUGHNESS, effects.distribution), lift(0.0), lift(1.0))
     for effect in effects.effects:
         shading = effect.apply(shading)
     wide = effects.anisotropy
