@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import PccError
+from ..core.lookup_plan import lookup_effects
 from . import marks, properties
 from .probes import keep_pictures_found
 from .read.probes import all_probes, bake_record, probe_spec
@@ -47,7 +48,8 @@ def on_depsgraph_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
     if edited or any(not tree.is_embedded_data for tree in trees):
         materials.update(bpy.data.materials)
     if materials:
-        live.follow(sorted(materials, key=lambda m: m.name_full), scene.pcc.roughness_limit)
+        edited_ones = sorted(materials, key=lambda m: m.name_full)
+        live.follow(edited_ones, scene.pcc.roughness_limit, make_levels=True)
 
 
 @bpy.app.handlers.persistent
@@ -127,7 +129,7 @@ def _follow(probe: bpy.types.Object, roughness_limit: float) -> None:
         if record is None:
             return
         captured_at = record.capture_point_apart_from(spec.box.centre)
-        needed = spec.effects(probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
+        needed = lookup_effects(spec, probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
         if copied or probe_group.shown_effects(tree) != needed.label:
             live.refresh_probe(probe, roughness_limit)
         else:

@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 import bpy
 
+from ..core.decisions import OF_MATERIALS, OF_PROBES
 from ..core.effects.records import Outside
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Engine, Source
+from .effect_settings import settings_class
 
 shader_listeners: list[Callable[[bpy.types.Object], None]] = []
 """Called with a probe whose settings changed that its shader depends on."""
@@ -16,6 +18,10 @@ shader_listeners: list[Callable[[bpy.types.Object], None]] = []
 def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
     for listener in shader_listeners:
         listener(settings.id_data)
+
+
+PCC_ProbeEffects = settings_class("PCC_ProbeEffects", OF_PROBES, _refresh_shader)
+PCC_MaterialEffects = settings_class("PCC_MaterialEffects", OF_MATERIALS)
 
 
 class PCC_HiddenObject(bpy.types.PropertyGroup):
@@ -223,10 +229,17 @@ class PCC_Probe(bpy.types.PropertyGroup):
         name="Hidden Collection",
         description="Its objects are left out of the capture, such as the mirror ball that stands at the capture point",
     )
+    effects: bpy.props.PointerProperty(type=PCC_ProbeEffects)
     uid: bpy.props.StringProperty(options={"HIDDEN"})
     group: bpy.props.PointerProperty(type=bpy.types.NodeTree)
     levels: bpy.props.CollectionProperty(type=PCC_BakedLevel)
     bake_record: bpy.props.StringProperty(options={"HIDDEN"}, description="The sidecar of the last bake")
+
+
+class PCC_Material(bpy.types.PropertyGroup):
+    """How a material shows probes."""
+
+    effects: bpy.props.PointerProperty(type=PCC_MaterialEffects)
 
 
 class PCC_Scene(bpy.types.PropertyGroup):
@@ -249,18 +262,28 @@ class PCC_Scene(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (PCC_HiddenObject, PCC_BakedLevel, PCC_Probe, PCC_Scene)
+CLASSES = (
+    PCC_ProbeEffects,
+    PCC_MaterialEffects,
+    PCC_HiddenObject,
+    PCC_BakedLevel,
+    PCC_Probe,
+    PCC_Material,
+    PCC_Scene,
+)
 
 
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Object.pcc_probe = bpy.props.PointerProperty(type=PCC_Probe)
+    bpy.types.Material.pcc = bpy.props.PointerProperty(type=PCC_Material)
     bpy.types.Scene.pcc = bpy.props.PointerProperty(type=PCC_Scene)
 
 
 def unregister() -> None:
     del bpy.types.Scene.pcc
+    del bpy.types.Material.pcc
     del bpy.types.Object.pcc_probe
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

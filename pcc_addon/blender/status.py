@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 
 from ..core.errors import PccError
 from ..core.frames import STILL, FrameRange, spans
+from ..core.plan import make_plan
 from ..core.probe import ProbeSpec, Source
 from ..core.sequence import changed_frames
 from ..core.sidecar import Sidecar
 from .read.fingerprint import SceneFingerprint
 from .read.frames import at_frame, frames_of, visit
 from .read.probes import all_probes, bake_record, check_place, probe_spec
+from .read.scene import read_scene
+from .shade.outdated import outdated
 from .store.levels import faulty_picture
 
 
@@ -28,6 +31,8 @@ class ProbeStatus:
         why: what makes it so, in words; empty where it is baked.
         frames: of a sequence, in words; empty for a still.
         stale_frames: those of them at which it sees something else now.
+        unneeded: why it needs no bake, in words; empty: it needs one.
+        outdated: in words, what its materials would show otherwise after an injection.
     """
 
     probe: str
@@ -35,14 +40,34 @@ class ProbeStatus:
     why: str = ""
     frames: str = ""
     stale_frames: tuple[int, ...] = ()
+    unneeded: str = ""
+    outdated: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """All that there is to say of it."""
+        said = [self.why] * bool(self.why)
+        if self.unneeded and self.state != "baked":
+            said.append(f"it needs no bake: {self.unneeded}")
+        if self.outdated:
+            said.append(f"inject again: {'; '.join(self.outdated)}")
+        return "; ".join(said)
 
 
 def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[ProbeStatus]:
     """The state of every probe of a scene, by name; goes through the frames of sequences and back."""
     probes = all_probes(scene)
+    reading = read_scene(scene, view_layer)
+    plan = make_plan(reading)
+    late = outdated(reading, plan, {probe.name: probe for probe in probes})
     fingerprint = SceneFingerprint(scene, view_layer)
     seen = _seen_by_sequences(scene, view_layer, [probe for probe in probes if frames_of(probe)])
-    return [_status(probe, view_layer, fingerprint, seen.get(probe.name, {})) for probe in probes]
+    found = [_status(probe, view_layer, fingerprint, seen.get(probe.name, {})) for probe in probes]
+    unneeded = {probe.probe: probe.unneeded for probe in plan.probes}
+    return [
+        replace(status, unneeded=unneeded.get(status.probe, ""), outdated=late.get(status.probe, ()))
+        for status in found
+    ]
 
 
 def _seen_by_sequences(
@@ -119,6 +144,43 @@ def stale_probes(
         among: probes.
         frames: those that are to be baked; a probe that has others is stale. `STILL`, or None: as last baked.
     """
-    fresh = {status.probe for status in statuses(scene, view_layer) if status.state == "baked"}
+    return _stale(statuses(scene, view_layer), among, frames)
+
+
+def _stale(
+    known: Sequence[ProbeStatus], among: Sequence[bpy.types.Object], frames: FrameRange | str | None
+) -> list[bpy.types.Object]:
+    fresh = {status.probe for status in known if status.state == "baked"}
     wanted = tuple(frames.frames) if isinstance(frames, FrameRange) else () if frames == STILL else None
     return [p for p in among if p.name not in fresh or (wanted is not None and wanted != frames_of(p))]
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """What a bake of stale probes has to do.
+
+    Attributes:
+        probes: those that are stale and needed, or faulty.
+        unneeded: a sentence for each that is stale and not needed.
+    """
+
+    probes: tuple[bpy.types.Object, ...]
+    unneeded: tuple[str, ...]
+
+
+def waiting_probes(
+    scene: bpy.types.Scene,
+    view_layer: bpy.types.ViewLayer,
+    among: Sequence[bpy.types.Object],
+    frames: FrameRange | str | None = None,
+) -> Waiting:
+    """Of `stale_probes`, with the same arguments, those that anything shows."""
+    found = statuses(scene, view_layer)
+    needless = {status.probe: status.unneeded for status in found if status.unneeded and status.state != "error"}
+    stale = _stale(found, among, frames)
+    sentences = [
+        f"probe '{probe.name}' is left as it is: {needless[probe.name]}; select it and bake it if you want it baked"
+        for probe in stale
+        if probe.name in needless
+    ]
+    return Waiting(tuple(probe for probe in stale if probe.name not in needless), tuple(sentences))

@@ -14,7 +14,7 @@ from ..blender.planning import plan_scene
 from ..blender.read.probes import all_probes, named_probes
 from ..blender.saving import save_whole
 from ..blender.shade import injection
-from ..blender.status import stale_probes, statuses
+from ..blender.status import statuses, waiting_probes
 from ..blender.store import leftovers
 from ..blender.store.levels import bake_folder
 from ..core.errors import PccError
@@ -71,7 +71,10 @@ def _bake(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
         raise PccError(f"scene '{scene.name}' has no parallax probe; add one with Add > Light Probe > Parallax Probe")
     _apply_settings(options, probes)
     if options.stale:
-        probes = stale_probes(scene, view_layer, probes, frames)
+        waiting = waiting_probes(scene, view_layer, probes, frames)
+        probes = list(waiting.probes)
+        for line in waiting.unneeded:
+            voice.event("note", line, note=line)
     folder = bake_folder(scene, str(options.output.resolve()) if options.output else None)
     job = BakeJob(scene, view_layer, probes, folder, frames, reuse=options.stale)
     told = 0
@@ -163,7 +166,7 @@ def _status(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     if not found:
         raise PccError(f"scene '{bpy.context.scene.name}' has no parallax probe; add one")
     for status in found:
-        why = f": {status.why}" if status.why else ""
+        why = f": {status.words}" if status.words else ""
         voice.event("status", f"{status.probe}: {status.state}{why}", **asdict(status))
     return sum(status.state == "error" for status in found)
 

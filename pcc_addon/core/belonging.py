@@ -41,11 +41,14 @@ class Belongings:
     fixed: dict[str, set[str]] = field(default_factory=dict)
 
 
-def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReading]) -> Belongings:
+def belongings(
+    probes: Sequence[ProbeSpec], placements: Sequence[PlacementReading], moving: Collection[str] = frozenset()
+) -> Belongings:
     """Find the probes that each placement is in the influence of, and among them those that it belongs to.
 
     A placement belongs to the probe with the largest share of its bounds, the nearest of those with equal shares, and
-    to every other one with a share worth mentioning.
+    to every other one with a share worth mentioning. Objects that move, by their names, count as leaving the boxes that
+    they are in now.
     """
     found = Belongings()
     if not probes or not placements:
@@ -73,9 +76,10 @@ def belongings(probes: Sequence[ProbeSpec], placements: Sequence[PlacementReadin
                     found.fixed.setdefault(material, set()).add(placement.object)
                 tally = found.owners.setdefault(material, {}).setdefault(probe.name, {})
                 tally[placement.object] = tally.get(placement.object, 0.0) + share + 1e-3 / (1.0 + distance)
-            if not probe.contains(placement.corners):
+            moves = placement.object in moving
+            if moves or not probe.contains(placement.corners):
                 found.leaving.setdefault(probe.name, set()).update(placement.materials)
-            if not probe.keeps_clear_of(placement.corners):
+            if moves or not probe.keeps_clear_of(placement.corners):
                 found.touching.setdefault(probe.name, set()).update(placement.materials)
     return found
 

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 
-from .plan import MaterialPlan, Plan, ProbePlan
+from .costs import cost_table
+from .decisions import Decision
+from .material_plan import MaterialPlan
+from .plan import Plan
+from .probe_plan import ProbePlan
 
 
 def lines(plan: Plan) -> Iterator[str]:
@@ -12,15 +17,29 @@ def lines(plan: Plan) -> Iterator[str]:
     for probe in plan.probes:
         yield f"probe '{probe.probe}': {probe.lookup.label}; {len(probe.pictures)} pictures"
         yield from (f"    {reason}" for reason in probe.reasons)
+        if probe.unneeded:
+            yield f"    needs no bake: {probe.unneeded}"
+        yield from (f"    {told(decision)}" for decision in probe.decisions)
     for material in plan.materials:
         shown = ", ".join(f"'{probe}'" for probe in material.probes) or "no probe"
         yield f"material '{material.material}': {shown}"
         yield from (f"    {reason}" for reason in material.reasons)
+        yield from (f"    {told(decision)}" for decision in material.decisions)
         yield from (f"    object '{item}' shows '{probe}'" for item, probe in material.objects)
         for surface in material.surfaces:
             kept = "" if surface.effects else "keeps its own lobe: "
             yield f"    surface '{surface.name}': {kept}{'; '.join(surface.reasons)}"
+            yield from (f"        {told(decision)}" for decision in surface.decisions)
     yield from plan.notes
+    if cost_table().where:
+        yield f"costs and savings: with ÷ without the effect, measured on {cost_table().where}"
+
+
+def told(decision: Decision) -> str:
+    """A decision in words: the effect, whether it is on, why, and what that costs or saves."""
+    words = cost_table().of(decision.effect).words
+    cost = f" ({'costs' if decision.on else 'saves'} {words})" if words else ""
+    return f"[{'on' if decision.on else 'off'}] {decision.effect.label}: {decision.why}{cost}"
 
 
 def records(plan: Plan) -> Iterator[dict[str, object]]:
@@ -38,6 +57,8 @@ def _probe(probe: ProbePlan) -> dict[str, object]:
         "lookup": probe.lookup.label,
         "pictures": [key.text for key in probe.pictures],
         "reasons": list(probe.reasons),
+        "unneeded": probe.unneeded,
+        "effects": list(map(_decision, probe.decisions)),
     }
 
 
@@ -52,8 +73,20 @@ def _material(material: MaterialPlan) -> dict[str, object]:
                 "path": list(surface.path),
                 "effects": surface.effects.label if surface.effects else None,
                 "reasons": list(surface.reasons),
+                "decisions": list(map(_decision, surface.decisions)),
             }
             for surface in material.surfaces
         ],
         "reasons": list(material.reasons),
+        "effects": list(map(_decision, material.decisions)),
+    }
+
+
+def _decision(decision: Decision) -> dict[str, object]:
+    return {
+        "effect": decision.effect.key,
+        "on": decision.on,
+        "why": decision.why,
+        "forced": decision.forced,
+        "cost": asdict(cost_table().of(decision.effect)),
     }

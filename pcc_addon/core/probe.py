@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
 
-from .effects.records import Correction, LookupEffects, Outside
+from .decisions import Forced
+from .effects.records import Correction, Outside
 from .errors import ProbeError
 from .influence import Influence
 
@@ -135,19 +135,6 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Receivers:
-    """What is known of the surfaces that show a probe; as it stands it holds for any.
-
-    Attributes:
-        all_inside: whether none of them leaves the probe's box and padding.
-        seen_from_outside: whether one of them touches or leaves the box and may be seen from outside.
-    """
-
-    all_inside: bool = False
-    seen_from_outside: bool = True
-
-
-@dataclass(frozen=True)
 class ProbeSpec:
     """All that a bake and its shaders need to know of a probe.
 
@@ -172,6 +159,7 @@ class ProbeSpec:
         influence: where, how much and by whom it is shown.
         followed: the origin of the object that the capture point follows, world space, metres; None: the box's centre.
         contact_hardening: whether rough surfaces show the sharper what is nearer to them.
+        forced: effects that are on or off whatever the scene calls for.
     """
 
     name: str
@@ -194,6 +182,7 @@ class ProbeSpec:
     influence: Influence = field(default=Influence())
     followed: tuple[float, float, float] | None = None
     contact_hardening: bool = False
+    forced: Forced = field(default=Forced())
 
     def __post_init__(self) -> None:
         if not MINIMUM_RESOLUTION <= self.resolution <= MAXIMUM_RESOLUTION:
@@ -225,36 +214,6 @@ class ProbeSpec:
         unit_axes = self.box.axes / self.box.half_extents
         origin = self.box.centre if self.followed is None else np.array(self.followed)
         return origin + unit_axes @ np.array(self.capture_offset)
-
-    def effects(
-        self, receivers: Receivers, captured_at: Sequence[float], source: Source = Source.BAKE
-    ) -> LookupEffects:
-        """The lookup effects that the probe requires; all that there are where it is animated.
-
-        Args:
-            receivers: what is known of the surfaces that show it.
-            captured_at: where its pictures were taken, world space, metres.
-            source: where its pictures came from, whatever its next ones will.
-        """
-        stretched = source.stretched
-        correction = self.box.own_axes_correction if stretched else self.box.correction
-        if self.animated:
-            correction = Correction.ORIENTED_BOX
-        own = {
-            "per_face": self.has_different_faces,
-            "by_normal": self.influence.normal_fade > 0.0,
-            "weighted": self.influence.weight < 1.0,
-        }
-        if not self.corrected:
-            turned = stretched and correction is not Correction.ALIGNED_BOX
-            return LookupEffects(Correction.NONE, None, False, stretched=turned, **own)
-        own["hardening"] = self.contact_hardening
-        if self.animated:
-            return LookupEffects(correction, self.outside, not stretched, facing=True, stretched=stretched, **own)
-        offset = not stretched and tuple(captured_at) != tuple(self.box.centre)
-        facing = receivers.seen_from_outside
-        outside = None if receivers.all_inside and not facing else self.outside
-        return LookupEffects(correction, outside, offset, facing, stretched, **own)
 
     @property
     def boundary(self) -> float:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .decisions import Forced
 from .probe import ProbeSpec, Source
 
 Value = float | tuple[float, ...] | None
@@ -75,6 +76,7 @@ class MaterialReading:
         slab: whether its user says that what passes through it leaves in parallel, as through a pane.
         bends_normals: whether perturbed normals are bent where they would mirror the view into the surface.
         shown: names of the probe groups that it shows now.
+        forced: effects that are on or off whatever it calls for.
     """
 
     name: str
@@ -85,6 +87,7 @@ class MaterialReading:
     slab: bool = False
     bends_normals: bool = True
     shown: tuple[str, ...] = ()
+    forced: Forced = field(default=Forced())
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +152,8 @@ class ProbeReading:
         fault: what is wrong with it, a sentence that names it; empty: nothing.
         captured_at: where its pictures were taken, world space, metres; None before its first bake.
         source: where its pictures came from.
+        by_hand: whether shaders made by hand read it.
+        in_windows: whether windows show its room.
     """
 
     name: str
@@ -156,6 +161,8 @@ class ProbeReading:
     fault: str = ""
     captured_at: tuple[float, float, float] | None = None
     source: Source = Source.BAKE
+    by_hand: bool = False
+    in_windows: bool = False
 
 
 @dataclass(frozen=True)

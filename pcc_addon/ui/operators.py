@@ -10,7 +10,7 @@ from ..blender.bake.job import BakedProbe, BakeJob
 from ..blender.probes import add_probe
 from ..blender.read.probes import all_probes
 from ..blender.shade import injection
-from ..blender.status import stale_probes
+from ..blender.status import waiting_probes
 from ..blender.store.levels import bake_folder
 from ..core.errors import Cancelled, PccError
 from ..core.frames import FIRST_FRAME, LAST_FRAME, FrameRange, parse_frames
@@ -113,7 +113,7 @@ class PCC_OT_bake(bpy.types.Operator):
         """Make the job ready; returns how the operator has ended already, if it has."""
         try:
             frames = parse_frames(self.frames)
-            probes = _probes_in_scope(context, self.scope, frames)
+            probes = self._probes_in_scope(context, frames)
         except PccError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -126,6 +126,17 @@ class PCC_OT_bake(bpy.types.Operator):
         reuse = self.scope == "STALE"
         self._job = BakeJob(context.scene, context.view_layer, probes, folder, frames, reuse)
         return set()
+
+    def _probes_in_scope(self, context: bpy.types.Context, frames: FrameRange | str | None) -> list[bpy.types.Object]:
+        probes = all_probes(context.scene)
+        if self.scope == "SELECTED":
+            return [probe for probe in probes if probe.select_get(view_layer=context.view_layer)]
+        if self.scope == "ALL":
+            return probes
+        waiting = waiting_probes(context.scene, context.view_layer, probes, frames)
+        for line in waiting.unneeded:
+            self.report({"INFO"}, line)
+        return list(waiting.probes)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         if ended := self._start(context):
@@ -230,17 +241,10 @@ class PCC_OT_bake_frames(bpy.types.Operator):
 
 
 _NOTHING_TO_BAKE = {
-    "STALE": "All probes are baked and nothing has changed since",
+    "STALE": "All probes that anything shows are baked, and nothing has changed since",
     "ALL": "The scene has no probes",
     "SELECTED": "No probe is selected",
 }
-
-
-def _probes_in_scope(context: bpy.types.Context, scope: str, frames: FrameRange | str | None) -> list[bpy.types.Object]:
-    probes = all_probes(context.scene)
-    if scope == "SELECTED":
-        return [probe for probe in probes if probe.select_get(view_layer=context.view_layer)]
-    return stale_probes(context.scene, context.view_layer, probes, frames) if scope == "STALE" else probes
 
 
 class PCC_OT_inject(bpy.types.Operator):

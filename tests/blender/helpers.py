@@ -28,11 +28,12 @@ def small_probe(
     rotation: Sequence[float] = (0.0, 0.0, 0.0),
     capture_offset: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> bpy.types.Object:
-    """A probe whose bake takes a moment: 16 pixels, 1 sample, no denoising."""
+    """A probe whose bake takes a moment: 16 pixels, 1 sample, no denoising; with all levels, so with many files."""
     collection = bpy.context.scene.collection
     probe = add_probe(collection, name, location, rotation, half_extents, capture_offset)
     settings = probe.pcc_probe
     settings.resolution, settings.samples, settings.denoise = 16, 1, False
+    settings.effects.levels = "ON"
     bpy.context.view_layer.update()
     return probe
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from sample_blends.scenes import principled_node
+from sample_blends.scenes import add_box, principled, principled_node
 from tests.blender.helpers import ROOM, paint_wall, pictures_of, save, small_probe, small_room
 
 
@@ -156,6 +156,7 @@ def test_what_does_not_change_the_picture_does_not_make_it_stale(scene, tmp_path
 def test_each_scope_bakes_its_probes(scene, renders) -> None:
     small_room()
     second = small_probe("Second", half_extents=(1.0, 1.0, 0.5))
+    add_box(ROOM, "Vase", (0.0, 0.0, 0.0), (0.1, 0.1, 0.1), principled("Vase", Roughness=0.1))
     run("ALL")
     assert set(renders) == {"Probe", "Second"}
     renders.clear()

@@ -20,8 +20,8 @@ from pcc_addon.blender.store.levels import ensure_levels, store
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import by_hand as formula
 from pcc_addon.core.errors import PccError
+from pcc_addon.core.lookup_plan import Receivers, lookup_effects
 from pcc_addon.core.pictures import LADDER
-from pcc_addon.core.probe import Receivers
 from pcc_addon.ui import by_hand as ui
 from sample_blends.scenes import add_wall, emissive
 from tests.blender.helpers import ROOM, bake, paint_wall, picture, pretend_bake, put_in, small_probe, small_room
@@ -94,7 +94,7 @@ def test_a_group_computes_the_formula(scene, correction: str, settings: dict) ->
     }
     found = evaluate_group(tree, inputs)
     spec, record = probe_spec(probe), bake_record(probe)
-    box, effects = spec.box, spec.effects(Receivers(), record.capture_point)
+    box, effects = spec.box, lookup_effects(spec, Receivers(), record.capture_point)
     values = {
         "Position": quads(count),
         "Incoming": np.broadcast_to(UP, (count, 3)),

@@ -10,8 +10,9 @@ import pytest
 from mathutils import Euler, Matrix
 
 from pcc_addon.blender.read.probes import probe_spec
+from pcc_addon.blender.read.shown import driven_object
 from pcc_addon.blender.shade import probe_group
-from pcc_addon.blender.shade.drivers import driven_object, driven_vector
+from pcc_addon.blender.shade.drivers import driven_vector
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from sample_blends.scenes import principled
 from tests.blender.helpers import pretend_bake, small_probe

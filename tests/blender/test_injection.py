@@ -13,8 +13,8 @@ from pcc_addon.blender.shade import injection
 from pcc_addon.blender.shade.probe_group import shown_probe
 from pcc_addon.blender.shade.twin import is_torn, shown_probe_groups
 from pcc_addon.core.errors import PccError
+from pcc_addon.core.material_plan import MaterialPlan
 from pcc_addon.core.parts import Division
-from pcc_addon.core.plan import MaterialPlan
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import pretend_bake, put_in, save, small_probe
 from tests.blender.materials import shiny, show

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from pcc_addon.blender import marks
+from pcc_addon.blender.marks import WINDOW
 from pcc_addon.blender.shade.injection import inject
-from pcc_addon.blender.shade.interior import ROLE, SOCKETS, interior_node, room_of_probe
+from pcc_addon.blender.shade.interior import SOCKETS, interior_node, room_of_probe
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects.interior import Cells, Interior, RoomPicture, pane
 from pcc_addon.core.effects.interior import interior as formula
@@ -181,7 +182,7 @@ def test_a_window_goes_into_another_file(probe, tmp_path: Path, link: bool) -> N
         wanted.materials = ["Window"]
     material = bpy.data.materials["Window"]
     node = interior_node(material)
-    assert marks.role(node.node_tree) == ROLE and node.inputs["Seed"].default_value == 5.0
+    assert marks.role(node.node_tree) == WINDOW and node.inputs["Seed"].default_value == 5.0
     image = images(material)["Room 0"]
     assert image.size[:] == (64, 32) and len(image.pixels) == 64 * 32 * 4
     assert not bpy.data.objects, "no probe is needed"

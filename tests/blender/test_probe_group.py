@@ -12,8 +12,8 @@ from pcc_addon.blender.read.probes import probe_spec
 from pcc_addon.blender.shade import probe_group
 from pcc_addon.blender.store.levels import ensure_levels
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
+from pcc_addon.core.lookup_plan import Receivers
 from pcc_addon.core.pictures import LADDER
-from pcc_addon.core.probe import Receivers
 from tests.blender.helpers import pretend_bake, small_probe
 from tests.blender.places import check_places, drawn
 

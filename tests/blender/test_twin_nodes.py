@@ -27,9 +27,9 @@ from pcc_addon.blender.shade.twin import (
 from pcc_addon.blender.shade.twin_order import TwinOrder
 from pcc_addon.core.effects.lookup import LEAST_SPREAD, MOST_SPREAD
 from pcc_addon.core.effects.roughness import neighbours
+from pcc_addon.core.lookup_plan import Receivers
 from pcc_addon.core.pictures import LADDER
-from pcc_addon.core.plan import plan_surfaces
-from pcc_addon.core.probe import Receivers
+from pcc_addon.core.surface_plan import plan_surfaces
 from sample_blends.scenes import Room, add_wall, principled, principled_node
 from tests.blender.helpers import pretend_bake, put_in, small_probe
 from tests.blender.materials import (

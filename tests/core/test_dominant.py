@@ -16,8 +16,8 @@ from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.surface import SurfaceEffects
 from pcc_addon.core.effects.transmission import Transmission
 from pcc_addon.core.ggx import Distribution
-from pcc_addon.core.plan import plan_surfaces
 from pcc_addon.core.readings import MaterialReading, SurfaceReading
+from pcc_addon.core.surface_plan import plan_surfaces
 from tests.core.boxes import directions
 
 UP = np.array([0.0, 0.0, 1.0])

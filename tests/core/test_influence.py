@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from pcc_addon.core.effects.records import Correction, LookupEffects
 from pcc_addon.core.errors import ProbeError
 from pcc_addon.core.influence import Influence
-from pcc_addon.core.probe import Box, ProbeSpec, Receivers
+from pcc_addon.core.lookup_plan import Receivers, lookup_effects
+from pcc_addon.core.probe import Box, ProbeSpec
 
 from . import boxes
 from .scenes import spec
@@ -76,17 +77,19 @@ def test_faces_that_say_the_same_as_the_box_need_nothing() -> None:
     plain = ProbeSpec("Hall", box, falloff=0.3)
     same = ProbeSpec("Hall", box, falloff=9.0, influence=Influence(falloff_low=(0.3,) * 3, falloff_high=(0.3,) * 3))
     centre = box.centre
-    assert plain.effects(Receivers(), centre) == same.effects(Receivers(), centre)
+    assert lookup_effects(plain, Receivers(), centre) == lookup_effects(same, Receivers(), centre)
     assert plain.influence_falloff == same.influence_falloff == 0.3
     for influence in (Influence(low=(0.0, 0.1, 0.0)), Influence(falloff_high=(0.3, 0.3, 0.2))):
-        assert ProbeSpec("Hall", box, falloff=0.3, influence=influence).effects(Receivers(), centre).per_face
+        assert lookup_effects(ProbeSpec("Hall", box, falloff=0.3, influence=influence), Receivers(), centre).per_face
 
 
 def test_only_what_is_asked_for_is_computed() -> None:
     box = Box.from_matrix("Hall", np.eye(4))
 
     def effects(**influence: object) -> LookupEffects:
-        return ProbeSpec("Hall", box, influence=Influence(**influence)).effects(Receivers(True, False), box.centre)
+        return lookup_effects(
+            ProbeSpec("Hall", box, influence=Influence(**influence)), Receivers(True, False), box.centre
+        )
 
     plain = LookupEffects(Correction.ALIGNED_BOX, None, offset=False)
     assert effects() == plain and effects(priority=4, excluded=frozenset({"Vase"})) == plain

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import pytest
 
+from pcc_addon.core.decisions import Decision, Effect, Forced
 from pcc_addon.core.effects.dielectric import Dielectric
 from pcc_addon.core.effects.glossy import Glossy
 from pcc_addon.core.effects.metal import Metal, TintedMetal
@@ -13,9 +15,11 @@ from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, Outside
 from pcc_addon.core.effects.transmission import Interface
 from pcc_addon.core.ggx import Distribution
+from pcc_addon.core.material_plan import MaterialPlan
 from pcc_addon.core.pictures import LADDER, PictureKey, PictureKind
-from pcc_addon.core.plan import MaterialPlan, ProbePlan, SurfacePlan, make_plan, plan_surfaces
+from pcc_addon.core.plan import make_plan
 from pcc_addon.core.probe import Source
+from pcc_addon.core.probe_plan import ProbePlan
 from pcc_addon.core.readings import (
     CameraReading,
     MaterialReading,
@@ -25,6 +29,7 @@ from pcc_addon.core.readings import (
     Value,
     WallReading,
 )
+from pcc_addon.core.surface_plan import SurfacePlan, plan_surfaces
 
 from .scenes import INPUTS, material, placement, probe, surface
 
@@ -391,8 +396,12 @@ def test_probes_that_harden_read_every_level_of_rough_surfaces() -> None:
 
 def test_a_probe_that_hardens_says_so() -> None:
     for value in (False, True):
-        [plan] = make_plan(SceneReading("Scene", (probe("Hall", contact_hardening=value),))).probes
-        assert plan.lookup.hardening == value == any("sharper what is nearer" in reason for reason in plan.reasons)
+        plan = probe_plan(placement("Table", "Wood"), contact_hardening=value)
+        assert plan.lookup.hardening == value == decision(plan, Effect.HARDENING).on
+    mirror = MaterialReading("Wood", (surface(Roughness=0.0),))
+    scene = SceneReading("Scene", (probe("Hall", contact_hardening=True),), (mirror,), (placement("Table", "Wood"),))
+    [plan] = make_plan(scene).probes
+    assert not plan.lookup.hardening and decision(plan, Effect.HARDENING).why == "all surfaces that show it are mirrors"
 
 
 def test_as_many_as_can_be_read_give_no_reason() -> None:
@@ -402,6 +411,12 @@ def test_as_many_as_can_be_read_give_no_reason() -> None:
 
 
 # Probes
+
+
+def decision(plan: ProbePlan | SurfacePlan | MaterialPlan, effect: Effect) -> Decision:
+    """The only one about an effect."""
+    [found] = [each for each in plan.decisions if each.effect is effect]
+    return found
 
 
 def probe_plan(*placed: object, cameras: tuple = (), **more: object) -> object:
@@ -414,14 +429,15 @@ def test_a_probe_with_all_surfaces_inside_tests_and_fades_nothing() -> None:
     assert plan.lookup.correction is Correction.ALIGNED_BOX and plan.lookup.outside is None
     assert not plan.lookup.offset and not plan.lookup.facing and not plan.shares
     assert plan.receivers.all_inside and not plan.receivers.seen_from_outside
-    assert plan.reasons == ("1 materials show it", "all levels, so that a changed roughness needs no new bake")
+    assert plan.reasons == ("1 materials show it",)
+    assert decision(plan, Effect.FADE) == Decision(Effect.FADE, False, "all surfaces that show it are in its box")
 
 
 @pytest.mark.parametrize("outside", list(Outside))
 def test_a_surface_that_leaves_the_box_makes_it_fade_as_it_is_set(outside: Outside) -> None:
     plan = probe_plan(placement("Floor", "Wood", size=(5.0, 5.0, 0.1)), outside=outside)
     assert plan.lookup.outside is outside and plan.lookup.facing and not plan.receivers.all_inside
-    assert "surfaces of 'Wood' reach beyond its box, so it fades" in plan.reasons
+    assert decision(plan, Effect.FADE) == Decision(Effect.FADE, True, "surfaces of 'Wood' reach beyond its box")
 
 
 WALL = placement("Wall", "Wood", x=1.5)
@@ -445,8 +461,9 @@ def test_a_wall_on_the_box_is_looked_at_from_outside_unless_all_cameras_stay_in(
     plan = probe_plan(WALL, cameras=cameras)
     assert plan.receivers.seen_from_outside is watched and plan.receivers.all_inside
     assert plan.lookup.facing is watched and (plan.lookup.outside is not None) is watched
-    said = [r for r in plan.reasons if r.startswith("surfaces of 'Wood' lie on its box and may be seen from outside")]
-    assert len(said) == watched
+    words = "surfaces of 'Wood' lie on its box and may be seen" if watched else "no surface on its box is seen"
+    said = decision(plan, Effect.OUTER_SIDES)
+    assert said.on is watched and said.why == f"{words} from outside"
 
 
 def test_nobody_looks_at_an_object_in_the_middle_from_outside() -> None:
@@ -509,15 +526,73 @@ def test_a_probe_that_no_material_shows_says_so() -> None:
     assert plan.reasons[0] == "no material shows it" and not plan.shares and plan.receivers.all_inside
 
 
+def test_a_probe_that_nothing_can_show_needs_no_bake_and_says_why() -> None:
+    assert probe_plan().unneeded == "no object is in its influence"
+    table = placement("Table", "Wood")
+    assert probe_plan(table).unneeded == ""
+    matt = material("Wood", surface(Roughness=0.9))
+
+    def unneeded(reading: ProbeReading, **scene: object) -> str:
+        [plan] = make_plan(SceneReading("Scene", (reading,), (matt,), (table,), **scene)).probes
+        return plan.unneeded
+
+    assert unneeded(probe("Hall")) == "no material in its influence has a surface that could show it"
+    assert not unneeded(probe("Hall"), animated=frozenset({"Table"})), "it may move to where it is shown"
+    assert not unneeded(probe("Hall", animated=True))
+    assert not unneeded(replace(probe("Hall"), by_hand=True)) and not unneeded(replace(probe("Hall"), in_windows=True))
+
+
+def test_what_moves_may_leave_the_box_and_touch_its_walls() -> None:
+    table = placement("Table", "Wood")
+    still, moving = (
+        make_plan(SceneReading("Scene", (probe("Hall"),), (material("Wood"),), (table,), animated=names)).probes[0]
+        for names in (frozenset(), frozenset({"Table"}))
+    )
+    assert still.lookup.outside is None and not still.lookup.on_walls
+    assert moving.lookup.outside is not None and moving.lookup.on_walls and moving.lookup.facing
+
+
 def test_a_probe_dropped_for_want_of_samplers_is_not_counted_as_shown() -> None:
     probes, placed = many(3)
     plan = make_plan(SceneReading("Scene", probes, (material("Wood", textures=24),), placed))
     assert [p.reasons[0] for p in plan.probes] == ["1 materials show it", "1 materials show it", "no material shows it"]
 
 
-def test_every_probe_needs_the_whole_ladder_sharpest_first() -> None:
-    expected = tuple(PictureKey(PictureKind.RADIANCE, level) for level in range(len(LADDER)))
-    assert probe_plan(placement("Table", "Wood")).pictures == probe_plan().pictures == expected
+def pictures(levels: Iterable[int]) -> tuple[PictureKey, ...]:
+    return tuple(PictureKey(PictureKind.RADIANCE, level) for level in levels)
+
+
+@pytest.mark.parametrize(
+    ("roughness", "expected"),
+    [(0.0, (0,)), (0.25, (0, 4, 5)), (0.44, (0, 6)), (None, tuple(range(8)))],
+    ids=["mirror", "between two", "on a rung", "varying"],
+)
+def test_a_probe_needs_its_capture_and_the_levels_that_its_surfaces_read(roughness, expected) -> None:
+    glossy = material("Wood", surface(Roughness=roughness, Metallic=1.0))
+    [plan] = make_plan(SceneReading("Scene", (probe("Hall"),), (glossy,), (placement("Table", "Wood"),))).probes
+    assert plan.pictures == pictures(expected)
+    assert decision(plan, Effect.LEVELS).on is (len(expected) == len(LADDER))
+
+
+def test_levels_above_the_limit_are_read_nowhere() -> None:
+    glossy = material("Wood", surface(Roughness=None))
+    placed = (placement("Table", "Wood"),)
+    [plan] = make_plan(SceneReading("Scene", (probe("Hall"),), (glossy,), placed, roughness_limit=0.2)).probes
+    assert plan.pictures == pictures(range(5)), "0.23 is the first that is not below the limit"
+
+
+def test_whoever_reads_it_at_any_roughness_needs_all_levels() -> None:
+    mirror, placed = material("Wood", surface(Roughness=0.0)), (placement("Table", "Wood"),)
+    for reading, expected in (
+        (probe("Hall"), (0,)),
+        (replace(probe("Hall"), by_hand=True), range(8)),
+        (replace(probe("Hall"), in_windows=True), (0,)),
+        (probe("Hall", forced=Forced(on=frozenset({Effect.LEVELS}))), range(8)),
+        (probe("Hall", forced=Forced(off=frozenset({Effect.LEVELS}))), (0,)),
+    ):
+        [plan] = make_plan(SceneReading("Scene", (reading,), (mirror,), placed)).probes
+        assert plan.pictures == pictures(expected), reading
+    assert probe_plan().pictures == pictures(range(8)), "nobody knows who will show it"
 
 
 def test_the_classic_lookup_has_no_box() -> None:

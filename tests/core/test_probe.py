@@ -14,7 +14,8 @@ from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import lookup as formula
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.errors import PccError, ProbeError
-from pcc_addon.core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Box, ProbeSpec, Receivers
+from pcc_addon.core.lookup_plan import Receivers, lookup_effects
+from pcc_addon.core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, Box, ProbeSpec
 
 from . import boxes
 
@@ -180,12 +181,12 @@ def test_a_probe_calls_for_the_cheapest_correction_that_fits_its_box() -> None:
         expected = Correction.ALIGNED_BOX if kind == "unrotated" else Correction.ORIENTED_BOX
         aside = box.centre + 0.1
         fading, inside, watched = Receivers(False, False), Receivers(True, False), Receivers(True, True)
-        assert spec.effects(fading, aside) == LookupEffects(expected, Outside.BLACK, True)
-        assert spec.effects(inside, aside) == LookupEffects(expected, None, True)
-        assert spec.effects(inside, spec.capture_point) == LookupEffects(expected, None, False)
-        assert spec.effects(watched, aside) == LookupEffects(expected, Outside.BLACK, True, facing=True)
-        assert spec.effects(Receivers(), aside) == LookupEffects(expected, Outside.BLACK, True, facing=True)
-        assert ProbeSpec("Hall", box, corrected=False).effects(Receivers(), aside).correction is Correction.NONE
+        assert lookup_effects(spec, fading, aside) == LookupEffects(expected, Outside.BLACK, True)
+        assert lookup_effects(spec, inside, aside) == LookupEffects(expected, None, True)
+        assert lookup_effects(spec, inside, spec.capture_point) == LookupEffects(expected, None, False)
+        assert lookup_effects(spec, watched, aside) == LookupEffects(expected, Outside.BLACK, True, facing=True)
+        assert lookup_effects(spec, Receivers(), aside) == LookupEffects(expected, Outside.BLACK, True, facing=True)
+        assert lookup_effects(ProbeSpec("Hall", box, corrected=False), Receivers(), aside).correction is Correction.NONE
 
 
 def test_far_from_the_origin_the_influence_grows_by_what_float32_cannot_tell() -> None:

@@ -8,7 +8,8 @@ import pytest
 from pcc_addon.core.backends.arrays import evaluate
 from pcc_addon.core.effects import lookup as formula
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
-from pcc_addon.core.probe import Box, ProbeSpec, Receivers, Source
+from pcc_addon.core.lookup_plan import Receivers, lookup_effects
+from pcc_addon.core.probe import Box, ProbeSpec, Source
 
 from . import boxes
 from .boxes import unit
@@ -80,7 +81,7 @@ def test_a_stretched_picture_is_looked_up_where_the_ray_leaves_the_unit_cube(m: 
     np.testing.assert_allclose(np.abs(hits).max(-1), 1.0)
     spec = spec_of(m)
     for receivers in (INSIDE, ANY):
-        effects = spec.effects(receivers, spec.capture_point, Source.IMAGE)
+        effects = lookup_effects(spec, receivers, spec.capture_point, Source.IMAGE)
         found = look(spec, effects, points, rays)["Direction"]
         np.testing.assert_allclose(unit(found), unit(hits), atol=1e-9)
 
@@ -90,7 +91,7 @@ def test_every_correction_that_keeps_the_boxs_axes_agrees_with_the_general_one(m
     rng = np.random.default_rng(6)
     spec = spec_of(m, outside=Outside.UNCORRECTED)
     points, rays = boxes.inside(m, 200, rng, reach=1.3), boxes.directions(200, rng)
-    effects = spec.effects(ANY, spec.capture_point, Source.IMAGE)
+    effects = lookup_effects(spec, ANY, spec.capture_point, Source.IMAGE)
     general = LookupEffects(Correction.ORIENTED_BOX, Outside.UNCORRECTED, False, facing=True, stretched=True)
     assert effects.outside is Outside.UNCORRECTED and effects.stretched
     expected, found = (look(spec, e, points, rays)["Direction"] for e in (general, effects))
@@ -106,7 +107,7 @@ def test_far_outside_and_without_correction_the_picture_is_turned_but_not_stretc
     outside = spec_of(m, outside=Outside.UNCORRECTED)
     classic = spec_of(m, corrected=False)
     for spec in (outside, classic):
-        effects = spec.effects(ANY, spec.capture_point, Source.IMAGE)
+        effects = lookup_effects(spec, ANY, spec.capture_point, Source.IMAGE)
         np.testing.assert_allclose(unit(look(spec, effects, points, rays)["Direction"]), turned_with_it, atol=1e-9)
 
 
@@ -144,7 +145,7 @@ def test_boxes_of_any_size_and_shape_give_finite_directions(size: float) -> None
 def test_a_probe_calls_for_the_cheapest_lookup_that_keeps_its_axes() -> None:
     def correction(m: np.ndarray) -> Correction:
         spec = spec_of(m)
-        effects = spec.effects(INSIDE, (9.0, 9.0, 9.0), Source.IMAGE)
+        effects = lookup_effects(spec, INSIDE, (9.0, 9.0, 9.0), Source.IMAGE)
         assert effects.stretched and not effects.offset and effects.outside is None
         return effects.correction
 
@@ -160,21 +161,21 @@ def test_a_probe_calls_for_the_cheapest_lookup_that_keeps_its_axes() -> None:
 def test_what_a_picture_is_decides_and_not_what_the_next_will_be() -> None:
     spec = spec_of(turned(0.0), capture_offset=(0.5, 0.0, 0.0))
     np.testing.assert_array_equal(spec.capture_point, spec.box.centre)
-    baked = spec.effects(INSIDE, (3.5, -2.0, 1.5), Source.BAKE)
+    baked = lookup_effects(spec, INSIDE, (3.5, -2.0, 1.5), Source.BAKE)
     assert baked == LookupEffects(Correction.ALIGNED_BOX, None, offset=True)
     for source in (Source.IMAGE, Source.WORLD):
-        assert spec.effects(INSIDE, (3.5, -2.0, 1.5), source).stretched
+        assert lookup_effects(spec, INSIDE, (3.5, -2.0, 1.5), source).stretched
 
 
 def test_an_animated_probe_is_ready_for_any_box() -> None:
     spec = spec_of(turned(0.0), animated=True)
-    assert spec.effects(INSIDE, spec.capture_point, Source.IMAGE) == LookupEffects(
+    assert lookup_effects(spec, INSIDE, spec.capture_point, Source.IMAGE) == LookupEffects(
         Correction.ORIENTED_BOX, Outside.OWN, offset=False, facing=True, stretched=True
     )
     classic = spec_of(turned(0.0), animated=True, corrected=False)
-    assert classic.effects(INSIDE, spec.capture_point, Source.IMAGE).stretched
+    assert lookup_effects(classic, INSIDE, spec.capture_point, Source.IMAGE).stretched
     still = spec_of(turned(0.0), corrected=False)
-    assert not still.effects(INSIDE, spec.capture_point, Source.IMAGE).stretched, "the world's axes are its own"
+    assert not lookup_effects(still, INSIDE, spec.capture_point, Source.IMAGE).stretched, "the world's axes are its own"
 
 
 def test_titles_say_it() -> None:

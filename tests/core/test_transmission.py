@@ -12,8 +12,8 @@ from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.surface import SurfaceEffects, surface
 from pcc_addon.core.effects.transmission import Interface, Transmission, seen_through
 from pcc_addon.core.ggx import lobe_samples, transmitted_samples
-from pcc_addon.core.plan import plan_surfaces
 from pcc_addon.core.readings import MaterialReading, SurfaceReading, WallReading
+from pcc_addon.core.surface_plan import plan_surfaces
 from tests.core.boxes import directions, unit
 
 COSINES = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0])

@@ -18,7 +18,7 @@ from pcc_addon.core.effects.roughness import mixed, neighbours
 from pcc_addon.core.effects.shading import ROUGHNESS
 from pcc_addon.core.effects.surface import SurfaceEffects, surface_formula
 from pcc_addon.core.expression import Formula
-from pcc_addon.core.probe import Receivers
+from pcc_addon.core.lookup_plan import Receivers, lookup_effects
 from sample_blends.scenes import add_camera, principled_node
 from tests.blender.helpers import ROOM, bake, pictures_of, put_in, save, small_room
 
@@ -28,7 +28,7 @@ WIDTH, HEIGHT = 32, 18
 def whole(probe: bpy.types.Object, roughness: float, receivers: Receivers) -> Formula:
     """From position, view and normal to the radiance that a metal sends to the eye."""
     record, spec = bake_record(probe), probe_spec(probe)
-    effects = spec.effects(receivers, record.capture_point)
+    effects = lookup_effects(spec, receivers, record.capture_point)
     rungs = [level.roughness for level in record.levels]
     levels = neighbours(rungs, roughness, roughness)
     surface = SurfaceEffects((Metal(pure=True),), smooth=roughness == 0.0)

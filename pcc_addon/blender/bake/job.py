@@ -12,9 +12,9 @@ import bpy
 
 from ...core.errors import Cancelled, PccError
 from ...core.frames import STILL, FrameRange
-from ...core.pictures import LADDER
-from ...core.plan import Plan, ProbePlan, make_plan
+from ...core.plan import Plan, make_plan
 from ...core.probe import ProbeSpec
+from ...core.probe_plan import ProbePlan
 from ...core.sidecar import Sidecar
 from ...version import ADDON_VERSION
 from .. import handlers
@@ -81,7 +81,7 @@ class _Task:
 
     @property
     def roughnesses(self) -> tuple[float, ...]:
-        return tuple(LADDER[key.level] for key in self.plan.pictures)
+        return self.plan.roughnesses
 
 
 # Storing a bake makes data blocks, after which a renderer reads the whole scene anew: that grows with the scene. So

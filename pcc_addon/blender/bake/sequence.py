@@ -12,9 +12,8 @@ import bpy
 
 from ...core.errors import Cancelled, PccError
 from ...core.frames import spans
-from ...core.pictures import LADDER
-from ...core.plan import ProbePlan
 from ...core.probe import ProbeSpec
+from ...core.probe_plan import ProbePlan
 from ...core.sequence import SequencePlan, plan_sequence
 from ...core.sidecar import Sidecar
 from ...version import ADDON_VERSION
@@ -64,7 +63,7 @@ class Film:
 
     @property
     def roughnesses(self) -> tuple[float, ...]:
-        return tuple(LADDER[key.level] for key in self.plan.pictures)
+        return self.plan.roughnesses
 
     @property
     def said_frames(self) -> str:

@@ -41,7 +41,7 @@ _CAPTURED = [
     for field in fields(ProbeSpec)
     if field.name
     not in {"name", "box", "capture_offset", "padding", "falloff", "outside", "corrected", "hidden", "animated"}
-    | {"source", "picture", "influence", "followed", "contact_hardening"}
+    | {"source", "picture", "influence", "followed", "contact_hardening", "forced"}
 ]
 _NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
 _ID_BOOKKEEPING = {p.identifier for p in bpy.types.ID.bl_rna.properties}

@@ -8,6 +8,7 @@ import bpy
 
 from ...core.readings import MaterialReading, SurfaceReading
 from .. import compat, marks
+from ..effect_settings import forced_of_material
 from .nodes import Scope, constant, group_output, outputs, source
 
 _TEXTURES = {"ShaderNodeTexImage", "ShaderNodeTexEnvironment"}
@@ -52,6 +53,7 @@ def _read_nodes(material: bpy.types.Material, shown: tuple[str, ...]) -> Materia
         slab=material.thickness_mode == "SLAB",
         bends_normals=material.cycles.use_bump_map_correction,
         shown=shown,
+        forced=forced_of_material(marks.original(material)),
     )
 
 

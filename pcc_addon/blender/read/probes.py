@@ -15,6 +15,7 @@ from ...core.errors import PccError, ProbeError
 from ...core.influence import Influence
 from ...core.probe import Box, Engine, ProbeSpec, Source
 from ...core.sidecar import Sidecar
+from ..effect_settings import forced_of_probe
 from ..properties import PCC_Probe
 
 # The fields of a record that are what the setting of the same name says.
@@ -75,6 +76,7 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         source=Source(settings.source),
         picture=bpy.path.abspath(settings.picture, library=probe.library) if settings.picture else "",
         influence=_influence(settings),
+        forced=forced_of_probe(probe),
         followed=tuple(settings.follow.matrix_world.translation) if settings.follow else None,
         **{name: getattr(settings, name) for name in _AS_SET},
     )
@@ -172,9 +174,56 @@ def is_animated(item: bpy.types.Object | None) -> bool:
     """Whether keyframes, drivers, constraints, a bone or the like may move an object, or one of its parents may."""
     if item is None:
         return False
-    data = item.animation_data
-    driven = data is not None and (data.action is not None or len(data.drivers) + len(data.nla_tracks) > 0)
-    return driven or len(item.constraints) > 0 or item.parent_type != "OBJECT" or is_animated(item.parent)
+    return _has_curves(item) or len(item.constraints) > 0 or item.parent_type != "OBJECT" or is_animated(item.parent)
+
+
+def is_moving(item: bpy.types.Object) -> bool:
+    """Whether an object, or what its surface is made of, may be elsewhere at another frame."""
+    keys = getattr(item.data, "shape_keys", None)
+    bent = any(
+        modifier.type in _BENDING or (modifier.type == "NODES" and _may_move(modifier.node_group, frozenset()))
+        for modifier in item.modifiers
+    )
+    return bent or is_animated(item) or any(_has_curves(owner) for owner in (item.data, keys) if owner)
+
+
+_BENDING = {"ARMATURE", "HOOK", "LATTICE", "MESH_DEFORM", "SURFACE_DEFORM", "MESH_CACHE", "MESH_SEQUENCE_CACHE"} | {
+    "CLOTH",
+    "SOFT_BODY",
+    "FLUID",
+    "PARTICLE_SYSTEM",
+    "OCEAN",
+    "WAVE",
+    "BUILD",
+    "EXPLODE",
+    "DYNAMIC_PAINT",
+}  # by what may move without a curve of the object's own
+
+
+_OF_TIME = {
+    "GeometryNodeInputSceneTime",
+    "GeometryNodeSimulationInput",
+    "GeometryNodeObjectInfo",
+    "GeometryNodeCollectionInfo",
+}  # nodes that may give something else at another frame
+
+
+def _may_move(tree: bpy.types.NodeTree | None, above: frozenset[str]) -> bool:
+    """Whether what geometry nodes make may be elsewhere at another frame."""
+    if tree is None or tree.name_full in above:
+        return False
+    above |= {tree.name_full}
+    inner = (getattr(node, "node_tree", None) for node in tree.nodes)
+    return (
+        _has_curves(tree)
+        or any(node.bl_idname in _OF_TIME for node in tree.nodes)
+        or any(_may_move(one, above) for one in inner)
+    )
+
+
+def _has_curves(owner: bpy.types.ID) -> bool:
+    data = owner.animation_data
+    return data is not None and (data.action is not None or len(data.drivers) + len(data.nla_tracks) > 0)
 
 
 def bake_record(probe: bpy.types.Object) -> Sidecar | None:

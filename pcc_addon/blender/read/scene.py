@@ -14,7 +14,8 @@ from ...core.probe import Source
 from ...core.readings import CameraReading, PlacementReading, ProbeReading, SceneReading, WallReading
 from .. import marks
 from .materials import read_material
-from .probes import all_probes, bake_record, check_place, is_animated, probe_spec
+from .probes import all_probes, bake_record, check_place, is_animated, is_moving, probe_spec
+from .shown import OtherReaders, other_readers
 from .walls import read_wall
 
 _BY_AXES = [0, 1, 3, 2, 4, 5, 7, 6]  # Blender's order of a bounding box's corners as that of `numpy.ndindex`
@@ -28,16 +29,17 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
         placements.append(placement)
         materials.update({material.name_full: material for material in shown})
     read = tuple(read_material(materials[name]) for name in sorted(materials))
+    readers = other_readers()
     clear = {materials[m.name] for m in read if any(may_transmit(surface) for surface in m.surfaces)}
     return SceneReading(
         name=scene.name,
-        probes=tuple(read_probe(probe, view_layer) for probe in all_probes(scene)),
+        probes=tuple(read_probe(probe, view_layer, readers) for probe in all_probes(scene)),
         materials=read,
         placements=tuple(placements),
         roughness_limit=scene.pcc.roughness_limit,
         cameras=_cameras(scene),
         walls=tuple(_walls(view_layer, clear)) if clear else (),
-        animated=frozenset(o.name_full for o in scene.objects if is_animated(o)),
+        animated=frozenset(o.name_full for o in scene.objects if is_moving(o)),
     )
 
 
@@ -49,7 +51,7 @@ def _cameras(scene: bpy.types.Scene) -> tuple[CameraReading, ...]:
     return tuple(CameraReading(name, places[name]) for name in sorted(found))
 
 
-def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> ProbeReading:
+def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers: OtherReaders) -> ProbeReading:
     """One probe; whatever is wrong with it becomes its fault."""
     spec, captured_at, fault, source = None, None, "", Source.BAKE
     try:
@@ -60,7 +62,8 @@ def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Prob
             captured_at, source = record.capture_point_apart_from(spec.box.centre), record.source
     except PccError as error:
         fault = str(error)
-    return ProbeReading(probe.name, spec, fault, captured_at, source)
+    by_hand, in_windows = readers.read_by_hand(probe), readers.read_by_windows(probe)
+    return ProbeReading(probe.name, spec, fault, captured_at, source, by_hand, in_windows)
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:

@@ -11,10 +11,12 @@ import bpy
 
 from ...core.effects import by_hand as formula
 from ...core.errors import BakeError
+from ...core.lookup_plan import lookup_effects
 from .. import marks
 from ..read.probes import bake_record, probe_spec
+from ..read.shown import driven_object
 from . import built, groups, playback, probe_group
-from .drivers import DRIVEN, driven_object
+from .drivers import DRIVEN
 from .node_builder import Surroundings, declare_sockets, emit
 
 VERSION = 1
@@ -121,7 +123,7 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
         return
     # A user may put it on any surface, so nothing is known of those that show it.
     captured_at = record.capture_point_apart_from(spec.box.centre)
-    effects = spec.effects(probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
+    effects = lookup_effects(spec, probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
     rungs, images, heights = probe_group.shown_levels(probe)
     known = probe_group.known_values(spec, record, effects.correction)
     changing = {*known, *DRIVEN}

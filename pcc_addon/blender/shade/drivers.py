@@ -56,12 +56,6 @@ def driven_vector(
     return unscale.outputs["Vector"], (node, unscale)
 
 
-def driven_object(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
-    """The object that the drivers of a group follow, or None where there is none or it was deleted."""
-    curves = tree.animation_data.drivers if tree.animation_data else ()
-    return next((variable.targets[0].id for curve in curves for variable in curve.driver.variables), None)
-
-
 def follow(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
     """Let the drivers of a group follow a probe instead of whom they followed before."""
     for curve in tree.animation_data.drivers if tree.animation_data else ():

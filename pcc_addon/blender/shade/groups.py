@@ -9,7 +9,7 @@ from ...core.expression import Formula
 from .. import marks
 from . import node_builder
 
-VERSION = 6
+VERSION = 7
 _FORMULA = "formula: "  # how the roles of these groups begin
 
 

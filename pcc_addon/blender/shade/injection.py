@@ -9,8 +9,8 @@ import bpy
 
 from ...core.belonging import beside, layered
 from ...core.errors import PccError
-from ...core.pictures import LADDER
-from ...core.plan import MaterialPlan, Plan, make_plan
+from ...core.material_plan import MaterialPlan
+from ...core.plan import Plan, make_plan
 from ...core.probe import ProbeSpec
 from ...core.readings import SceneReading
 from .. import marks
@@ -153,7 +153,7 @@ def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, not
             notes.append(f"probe '{probe.name}' has no bake; bake it to see it")
             continue
         try:
-            ensure_levels(probe, [LADDER[key.level] for key in probe_plan.pictures], folder)
+            ensure_levels(probe, probe_plan.roughnesses, folder)
             refresh_group(probe, probe_plan.receivers, probe_plan.shares)
             by_hand.refresh(probe)
         except PccError as error:

@@ -21,7 +21,6 @@ from . import playback
 from .groups import formula_group
 from .node_builder import Surroundings, declare_sockets, emit
 
-ROLE = "interior"
 MOST_ROOMS = 8  # EEVEE reads thirty pictures in a material, and panes may show a probe as well
 _ROOMS, _RECORD = "rooms", "record"  # notes on a group: where its rooms come from, what it computes
 _COLOURS = frozenset({"Radiance", "Tint A", "Tint B"})
@@ -164,13 +163,13 @@ def interior_node(material: bpy.types.Material) -> bpy.types.Node | None:
     """The node of a material's own tree that shows rooms, or None."""
     nodes = material.node_tree.nodes if material.node_tree else ()
     groups = (n for n in nodes if n.bl_idname == "ShaderNodeGroup" and n.node_tree is not None)
-    return next((node for node in groups if marks.role(node.node_tree) == ROLE), None)
+    return next((node for node in groups if marks.role(node.node_tree) == marks.WINDOW), None)
 
 
 def window_group(name: str, window: Window) -> bpy.types.ShaderNodeTree:
     """A new group that shows a window's rooms, its inputs documented and with the values that `SOCKETS` says."""
     tree = bpy.data.node_groups.new(f"PCC Interior {name}", "ShaderNodeTree")
-    marks.tag(tree, ROLE)
+    marks.tag(tree, marks.WINDOW)
     kinds = {s.name: _kind(s) for s in SOCKETS if s.name in formula.interior(window.record).inputs}
     declare_sockets(tree, "INPUT", kinds)
     _build(tree, window)
@@ -187,7 +186,7 @@ def follow_bake(probe: bpy.types.Object) -> None:
     """Let windows that show a probe show its newest bake. Those in other files show theirs until taken anew."""
     record = bake_record(probe)
     for tree in bpy.data.node_groups:
-        if record is None or marks.role(tree) != ROLE or tree.library:
+        if record is None or marks.role(tree) != marks.WINDOW or tree.library:
             continue
         rooms = json.loads(marks.noted(tree, _ROOMS))
         if any(room["uid"] == record.uid for room in rooms):

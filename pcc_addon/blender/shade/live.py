@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -10,13 +11,15 @@ import bpy
 
 from ...core.belonging import beside
 from ...core.effects.transmission import Interface
-from ...core.errors import ProbeError
-from ...core.plan import plan_surfaces
-from ...core.probe import Receivers
+from ...core.errors import PccError, ProbeError
+from ...core.lookup_plan import Receivers
+from ...core.pictures import LADDER
+from ...core.surface_plan import SurfacePlan, plan_surfaces
 from .. import marks
 from ..read.fingerprint import node_lines
 from ..read.materials import read_material
 from ..read.probes import probe_spec
+from ..store.levels import bake_folder, ensure_levels
 from . import by_hand, copies, probe_group
 from .animation import repeat_animation
 from .groups import VERSION
@@ -31,16 +34,21 @@ _INTERFACE = "interface"  # note on a material: how often its objects bend light
 
 def show(material: bpy.types.Material, order: TwinOrder) -> None:
     """Let a material show what is ordered; twins that show it already only get the values of today."""
-    signature = _signature(material, order)
-    if marks.noted(material, _SIGNATURE) == signature and has_twins(material) and not is_torn(material):
+    if is_shown(material, order):
         copy_values(material.node_tree)
         return
     remove(material)
     add_twins(material, order)
-    marks.note(material, _SIGNATURE, signature)
+    marks.note(material, _SIGNATURE, _signature(material, order))
     interfaces = {plan.interface.value for plan in order.surfaces.values()}
     if interfaces:
         marks.note(material, _INTERFACE, interfaces.pop())
+
+
+def is_shown(material: bpy.types.Material, order: TwinOrder) -> bool:
+    """Whether the twins of a material were built from what is ordered, and are whole."""
+    built = marks.noted(material, _SIGNATURE)
+    return built == _signature(material, order) and has_twins(material) and not is_torn(material)
 
 
 def remove(material: bpy.types.Material) -> bool:
@@ -104,18 +112,26 @@ def refresh_probe(
             bring_up_to_date(material, roughness_limit)
 
 
-def follow(materials: Iterable[bpy.types.Material], roughness_limit: float) -> None:
-    """Let the twins of edited materials, and copies of these, follow what the user made of them."""
+def follow(materials: Iterable[bpy.types.Material], roughness_limit: float, *, make_levels: bool = False) -> None:
+    """Let the twins of edited materials, and copies of these, follow what the user made of them.
+
+    Args:
+        materials: which.
+        roughness_limit: rougher surfaces keep their own lobe.
+        make_levels: whether levels that they need now, and that bakes left out, are made and stored.
+    """
     known = copies.all_copies()
     for original in dict.fromkeys(marks.original(material) for material in materials):
         for material, groups in copies.follow(original, known.get(original, ())):
-            bring_up_to_date(material, roughness_limit, groups)
+            bring_up_to_date(material, roughness_limit, groups, make_levels=make_levels)
 
 
 def bring_up_to_date(
     material: bpy.types.Material,
     roughness_limit: float,
     groups: Sequence[bpy.types.ShaderNodeTree] | None = None,
+    *,
+    make_levels: bool = False,
 ) -> None:
     """Let the twins of a material follow what the user made of it; nothing happens to materials without twins.
 
@@ -126,6 +142,7 @@ def bring_up_to_date(
         material: which.
         roughness_limit: rougher surfaces keep their own lobe.
         groups: of the probes that it shows; None: those that it shows now.
+        make_levels: as for `follow`.
     """
     if groups is None:
         groups = shown_probe_groups(material)
@@ -139,8 +156,23 @@ def bring_up_to_date(
     interface = Interface(marks.noted(material, _INTERFACE, Interface.SOLID.value))
     plans = () if reading.obstacles else plan_surfaces(reading, roughness_limit, interface)
     served = {plan.path: plan for plan in plans if plan.effects is not None}
+    for group in left if make_levels else ():
+        _make_levels(group, served.values())
     ordered = [replace(shown_probe(group), beside=others) for group, others in zip(left, _beside(left), strict=True)]
     show(material, TwinOrder(tuple(ordered), served, reading.emits))
+
+
+def _make_levels(group: bpy.types.ShaderNodeTree, surfaces: Iterable[SurfacePlan]) -> None:
+    """Make what a bake left out as no surface was so rough then; where that fails, status says that it is missing."""
+    probe, shown = probe_of(group), shown_probe(group)
+    levels = set().union(*(surface.levels_of_ladder(shown.hardening) for surface in surfaces))
+    wanted, there = {LADDER[level] for level in levels}, {round(rung, 4) for rung in shown.rungs}
+    if wanted <= there or probe is None or probe.library:
+        return
+    with contextlib.suppress(PccError):
+        ensure_levels(probe, wanted, bake_folder(bpy.context.scene))
+        probe_group.refresh_group(probe, probe_group.known_receivers(group))
+        by_hand.refresh(probe)
 
 
 def _beside(groups: Sequence[bpy.types.ShaderNodeTree]) -> tuple[tuple[int, ...], ...]:

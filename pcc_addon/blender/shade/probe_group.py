@@ -3,30 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
 
 import bpy
 import numpy as np
 
 from ...core.effects import lookup
-from ...core.effects.records import Correction
-from ...core.effects.roughness import level_name
+from ...core.effects.records import Correction, LookupEffects
+from ...core.effects.roughness import rung_name
 from ...core.expression import Operand
-from ...core.probe import ProbeSpec, Receivers
+from ...core.lookup_plan import Receivers, lookup_effects
+from ...core.probe import STEEPEST_FALLOFF, ProbeSpec
 from ...core.sidecar import Sidecar
 from .. import marks
 from ..read.probes import bake_record, probe_spec
+from ..read.shown import driven_object
 from ..store.pictures import check_pixels
 from . import built, groups, playback
-from .drivers import DRIVEN, driven_object, driven_vector, follow
+from .drivers import DRIVEN, driven_vector, follow
 from .node_builder import Surroundings, emit
 from .twin_order import ShownProbe
 
-VERSION = 6
+VERSION = 7
 ROLE = "probe"
 UNKNOWN_RECEIVERS = Receivers()
 _BUILT_FOR = "built_for"  # the probe's matrix and drawn size when its group was built
 _EFFECTS = "effects"  # the label of the lookup that it was built with
+_LOOKUP = "lookup"  # that lookup, as plain values
+_RECEIVERS = "receivers"  # what was known then of the surfaces that show it
 _RUNGS, _FADE = "rungs", "fade"  # as in ShownProbe
 _SHARES = "shares"  # whether it says how deep a point lies in its box
 
@@ -51,7 +56,7 @@ def refresh_group(
     if record is None:
         return
     spec = probe_spec(probe)
-    effects = spec.effects(receivers, record.capture_point_apart_from(spec.box.centre), record.source)
+    effects = lookup_effects(spec, receivers, record.capture_point_apart_from(spec.box.centre), record.source)
     rungs, images, heights = shown_levels(probe)
     known = known_values(spec, record, effects.correction)
     if shares is None:
@@ -72,6 +77,8 @@ def refresh_group(
     marks.note(tree, marks.VERSION, VERSION)
     marks.note(tree, _BUILT_FOR, _place(probe))
     marks.note(tree, _EFFECTS, effects.label)
+    marks.note(tree, _RECEIVERS, asdict(receivers))
+    marks.note(tree, _LOOKUP, effects.to_plain())
     marks.note(tree, _RUNGS, rungs)
     marks.note(tree, _SHARES, shares)
     marks.note(tree, _FADE, spec.influence_falloff)
@@ -84,7 +91,7 @@ def shown_levels(probe: bpy.types.Object) -> tuple[list[float], dict[str, bpy.ty
         BakeError: a picture is missing or cannot be read.
     """
     levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
-    images = {level_name(k): level.image for k, level in enumerate(levels)}
+    images = {rung_name(level.roughness): level.image for level in levels}
     heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
     return [level.roughness for level in levels], images, heights
 
@@ -126,6 +133,17 @@ def shown_effects(tree: bpy.types.ShaderNodeTree) -> str:
     return marks.noted(tree, _EFFECTS, "")
 
 
+def built_lookup(tree: bpy.types.ShaderNodeTree) -> LookupEffects | None:
+    """The lookup that a probe's group was built with; None where an earlier version built it."""
+    plain = marks.noted(tree, _LOOKUP)
+    return LookupEffects.of_plain(plain) if plain else None
+
+
+def known_receivers(tree: bpy.types.ShaderNodeTree) -> Receivers:
+    """What was known of the surfaces that show a probe when its group was built."""
+    return Receivers(**{name: bool(value) for name, value in marks.noted(tree, _RECEIVERS, {}).items()})
+
+
 def was_moved(probe: bpy.types.Object) -> bool:
     """Whether a probe stands elsewhere than when its group was built."""
     return list(marks.noted(probe.pcc_probe.group, _BUILT_FOR, ())) != _place(probe)
@@ -133,7 +151,7 @@ def was_moved(probe: bpy.types.Object) -> bool:
 
 def follow_afar(tree: bpy.types.ShaderNodeTree, spec: ProbeSpec) -> None:
     """Give a probe's group the lengths that depend on how far from the origin it stands, and on mirrored axes."""
-    wanted = _following(spec, spec.effects(UNKNOWN_RECEIVERS, spec.capture_point).correction)
+    wanted = _following(spec, lookup_effects(spec, UNKNOWN_RECEIVERS, spec.capture_point).correction)
     for node in tree.nodes:
         for socket in node.inputs if node.bl_idname == "ShaderNodeGroup" else ():
             value = wanted.get(socket.name)
@@ -146,7 +164,7 @@ def known_values(spec: ProbeSpec, record: Sidecar, correction: Correction) -> di
     return {
         "Capture Point": record.capture_point,
         "Falloff": spec.influence_falloff,
-        "Normal Fade": spec.influence.normal_fade,
+        "Normal Fade": max(spec.influence.normal_fade, STEEPEST_FALLOFF),
         "Probe Weight": spec.influence.weight,
         **_following(spec, correction),
     }

@@ -16,7 +16,7 @@ from ...core.effects.roughness import level_name, mixed_formula
 from ...core.effects.shading import MATT
 from ...core.effects.surface import Ray
 from ...core.expression import Formula
-from ...core.plan import SurfacePlan
+from ...core.surface_plan import SurfacePlan
 from .. import marks
 from ..read.nodes import is_given, source
 from . import groups
@@ -274,9 +274,9 @@ class SurfaceBuilder:
         """What a probe shows along a ray at the surface's roughness."""
         levels = self.plan.levels(shown.rungs, ray, shown.hardening)
         if len(levels) == 1:
-            return probe.outputs[level_name(levels[0])]
+            return probe.outputs[shown.level(levels[0])]
         formula = mixed_formula(tuple(shown.rungs[k] / ray.narrowing for k in levels), shown.hardening)
-        given = {level_name(i): probe.outputs[level_name(k)] for i, k in enumerate(levels)}
+        given = {level_name(i): probe.outputs[shown.level(k)] for i, k in enumerate(levels)}
         if shown.hardening:
             given["Spread"] = probe.outputs["Spread"]
         mixed = self._call(formula, -500.0, row, given)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...core.plan import SurfacePlan
+from ...core.effects.roughness import rung_name
+from ...core.surface_plan import SurfacePlan
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,7 @@ class ShownProbe:
 
     Attributes:
         group: its node group.
-        rungs: the roughnesses of its outputs "Level 0", "Level 1" …, ascending.
+        rungs: the roughnesses of its levels, ascending.
         fade: metres over which it fades beyond its box.
         outputs: names of the group's outputs.
         beside: those before it in its material, by their index, whose boxes are apart from its own.
@@ -27,6 +28,10 @@ class ShownProbe:
     fade: float
     outputs: tuple[str, ...] = ()
     beside: tuple[int, ...] = ()
+
+    def level(self, k: int) -> str:
+        """The name of the output at the k-th of its roughnesses."""
+        return rung_name(self.rungs[k])
 
     @property
     def hardening(self) -> bool:

@@ -33,7 +33,7 @@ from .lookup import (
     read_picture,
 )
 from .records import Correction, LookupEffects, Outside
-from .roughness import mixed_formula
+from .roughness import level_name, mixed_formula
 
 SHOWN = scalar("Shown")  # 1, and 0 while probes are captured: they must not see what they show
 SURFACE_NORMAL = vector("Surface Normal")  # unit
@@ -68,7 +68,7 @@ def by_hand(
 
     Args:
         effects: of the lookup; whatever the probe does outside its influence, here "Weight" tells.
-        heights: the rows of its pictures, sharpest first, by the names of `roughness.level_name`.
+        heights: the rows of its pictures, sharpest first, by the names that it reads them under.
         rungs: their roughnesses.
         known: values of inputs that are the same for all points, as for `lookup.probe`.
 
@@ -84,7 +84,8 @@ def by_hand(
     if "Presence" in found.formula.outputs:
         weight = weight * found["Presence"]
     levels: dict[str, Expr] = {
-        name: Section("Pictures", read_picture(name, rows, found["Direction"])) for name, rows in heights.items()
+        level_name(k): Section("Pictures", read_picture(name, rows, found["Direction"]))
+        for k, (name, rows) in enumerate(heights.items())
     }
     if shown.hardening:
         levels["Spread"] = found["Spread"]

@@ -87,14 +87,16 @@ MIRROR = Formula("Mirror", {"Direction": MIRRORED})
 """The direction in which a mirror sends the view."""
 
 
-def nearness(to_centre: Expr, d: Expr) -> Expr:
+def nearness(to_centre: Expr, d: Expr, *, on_walls: bool = True) -> Expr:
     """The reciprocal of how far along a ray from inside its exit from the box lies, in 1/metres; never negative.
 
     Given are the way from the origin to the box's centre and the unit direction, both along the face normals. Each axis
     has one plane ahead, on the side of sign(d), at the distance (h + to_centre·sign(d)) / |d|. Its reciprocal is 0 for
-    a parallel ray and large, not infinite, for a point on the wall that looks out of it.
+    a parallel ray and large, not infinite, for a point on the wall that looks out of it, which needs
+    no guard where no ray leaves from a wall or from beyond.
     """
-    return greatest(absolute(d) / maximum(multiply_add(to_centre, sign(d), HALF_WIDTHS), ON_WALL))
+    ahead = multiply_add(to_centre, sign(d), HALF_WIDTHS)
+    return greatest(absolute(d) / (maximum(ahead, ON_WALL) if on_walls else ahead))
 
 
 def stretch(correction: Correction) -> Expr:
@@ -196,7 +198,7 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
     to_capture = CAPTURE_POINT - position if effects.offset else to_centre
     q = Section("Along the box's axes", along_face_normals(effects.correction, to_centre))
     d = Section("Along the box's axes", along_face_normals(effects.correction, direction))
-    near = Section("Exit from the box", nearness(q, d))
+    near = Section("Exit from the box", nearness(q, d, on_walls=effects.on_walls))
     # (hit − B) / t with hit = P + t·direction
     if effects.stretched:
         way = d - q * near

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from enum import Enum
 
 
@@ -45,6 +46,7 @@ class LookupEffects:
         by_normal: whether surfaces that face away from the capture point fade near the border of the influence.
         weighted: whether the probe has less than all of a surface even where it is shown in full.
         hardening: whether rough surfaces show the sharper what is nearer to them.
+        on_walls: whether rays may leave from the box's walls, where the way to them is 0, or from beyond.
     """
 
     correction: Correction = Correction.ORIENTED_BOX
@@ -56,6 +58,19 @@ class LookupEffects:
     by_normal: bool = False
     weighted: bool = False
     hardening: bool = False
+    on_walls: bool = True
+
+    def to_plain(self) -> dict[str, str | bool]:
+        """Its fields as plain values."""
+        plain = asdict(self) | {"correction": self.correction.value}
+        return plain | {"outside": self.outside.value if self.outside else ""}
+
+    @classmethod
+    def of_plain(cls, plain: Mapping[str, object]) -> LookupEffects:
+        """The record of what `to_plain` gave."""
+        outside = str(plain["outside"])
+        flags = {name: bool(value) for name, value in plain.items() if name not in {"correction", "outside"}}
+        return cls(Correction(plain["correction"]), Outside(outside) if outside else None, **flags)
 
     @property
     def label(self) -> str:
@@ -67,6 +82,7 @@ class LookupEffects:
             words += ["seen from outside"] * self.facing
             words += ["per face"] * self.per_face
             words += ["by normal"] * self.by_normal
+            words += ["off the walls"] * (not self.on_walls)
         words += ["along the box's axes" if self.correction is Correction.NONE else "stretched"] * self.stretched
         words += ["weighted"] * self.weighted
         words += ["hardening"] * self.hardening

@@ -7,14 +7,21 @@ from collections.abc import Sequence
 from functools import cache
 
 from ..expression import Expr, Formula, clamp, scalar, vector
+from ..pictures import LADDER
 from .shading import ROUGHNESS
 
 SPREAD = scalar("Spread")  # the roughness of the level to be shown, over the surface's
 
 
 def level_name(k: int) -> str:
-    """The name of a probe's output, and of an input here, for level `k`."""
+    """The name of an input here for level `k`, and of a probe's output for that of the ladder."""
     return f"Level {k}"
+
+
+def rung_name(roughness: float) -> str:
+    """The name of a probe's output at a roughness, whatever other levels it has."""
+    step = next((k for k, rung in enumerate(LADDER) if abs(rung - roughness) < 1e-4), None)
+    return f"Roughness {roughness:.4g}" if step is None else level_name(step)
 
 
 def neighbours(rungs: Sequence[float], low: float, high: float) -> range:

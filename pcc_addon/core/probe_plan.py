@@ -1,0 +1,137 @@
+"""What each probe needs: whether anything shows it, what its lookup computes, and which pictures, with the reasons."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .belonging import Belongings
+from .decisions import Decision, Effect
+from .effects.records import LookupEffects
+from .lookup_plan import Receivers, plan_lookup
+from .material_plan import MaterialPlan
+from .pictures import LADDER, PictureKey, PictureKind
+from .probe import ProbeSpec
+from .readings import CameraReading, ProbeReading, SceneReading
+from .words import named
+
+
+@dataclass(frozen=True)
+class ProbePlan:
+    """One probe.
+
+    Attributes:
+        probe: its name.
+        receivers: what is known of the surfaces that show it.
+        shares: whether a material shows it and others, each where it is the right one.
+        lookup: what its lookup computes.
+        pictures: those that it needs, sharpest first.
+        reasons: why, in words.
+        decisions: what each effect that a probe may have was decided to be.
+        unneeded: why it needs no bake, in words; empty: it needs one.
+    """
+
+    probe: str
+    receivers: Receivers
+    shares: bool
+    lookup: LookupEffects
+    pictures: tuple[PictureKey, ...]
+    reasons: tuple[str, ...]
+    decisions: tuple[Decision, ...] = ()
+    unneeded: str = ""
+
+    @property
+    def roughnesses(self) -> tuple[float, ...]:
+        """Those of its pictures, ascending."""
+        return tuple(LADDER[key.level] for key in self.pictures)
+
+
+def plan_probe(
+    spec: ProbeSpec,
+    shown_by: Sequence[MaterialPlan],
+    found: Belongings,
+    scene: SceneReading,
+    reading: ProbeReading,
+) -> ProbePlan:
+    """The plan of a probe that some materials show.
+
+    Args:
+        spec: its settings.
+        shown_by: what was decided of the materials.
+        found: what belongs to which probe.
+        scene: all that is there.
+        reading: what is known of the probe beside its settings.
+    """
+    showing = [material.material for material in shown_by]
+    shared = [m.material for m in shown_by if m.division.blends(spec.name)]
+    outside = [name for name in showing if name in found.leaving.get(spec.name, ())]
+    touching = [name for name in showing if name in found.touching.get(spec.name, ())]
+    surfaces = [surface for material in shown_by for surface in material.served.values()]
+    starting_aside = any(surface.effects is not None and surface.effects.transmits for surface in surfaces)
+    watched = bool(touching) and not _all_within(spec, scene.cameras)
+    receivers = Receivers(
+        all_inside=not outside,
+        seen_from_outside=watched,
+        on_walls=bool(touching) or starting_aside,
+        rough=any(surface.roughness != (0.0, 0.0) for surface in surfaces),
+    )
+    words = {
+        Effect.FADE: f"surfaces of {named(outside)} reach beyond its box",
+        Effect.OUTER_SIDES: f"surfaces of {named(touching)} lie on its box and may be seen from outside",
+        Effect.WALLS: f"surfaces of {named(touching)} touch its walls",
+    }
+    words = {effect: why for effect, why in words.items() if "of  " not in why}
+    captured_at = reading.captured_at if reading.captured_at is not None else tuple(spec.capture_point)
+    source = reading.source if reading.captured_at is not None else spec.source
+    lookup = plan_lookup(spec, receivers, captured_at, source, words)
+    reasons = [f"{len(showing)} materials show it" if showing else "no material shows it"]
+    if lookup.effects.stretched:
+        reasons.append("its picture was not captured in its box, so it is stretched to it and turns with it")
+    refusing = sorted(found.refusing.get(spec.name, ()))
+    if refusing:
+        reasons.append(f"{named(refusing)} in its influence are not to show it")
+    if shared:
+        reasons.append(f"shares {named(shared)} with other probes, by place")
+    unneeded = "" if showing else _unneeded(spec, found, scene, reading)
+    levels, decision = _levels(spec, shown_by, reading)
+    pictures = tuple(PictureKey(PictureKind.RADIANCE, level) for level in levels)
+    decisions = (*lookup.decisions, decision)
+    return ProbePlan(spec.name, receivers, bool(shared), lookup.effects, pictures, tuple(reasons), decisions, unneeded)
+
+
+def _unneeded(spec: ProbeSpec, found: Belongings, scene: SceneReading, reading: ProbeReading) -> str:
+    """Why a probe that no material shows needs no bake; empty where something may show it all the same."""
+    moving = any(placement.object in scene.animated for placement in scene.placements)
+    if reading.by_hand or reading.in_windows or spec.animated or moving:
+        return ""
+    if any(spec.name in owners for owners in found.owners.values()):
+        return "no material in its influence has a surface that could show it"
+    return "no object is in its influence"
+
+
+def _levels(spec: ProbeSpec, shown_by: Sequence[MaterialPlan], reading: ProbeReading) -> tuple[Sequence[int], Decision]:
+    """The levels that surfaces can read, the capture always, and why these."""
+    every = range(len(LADDER))
+    if reading.by_hand or not (shown_by or reading.in_windows):
+        readers = (
+            "shaders made by hand may read it at any roughness" if reading.by_hand else "nobody knows who will show it"
+        )
+        return every, spec.forced.decide(Effect.LEVELS, True, readers)
+    read = {0}
+    for material in shown_by:
+        for surface in material.served.values():
+            read |= surface.levels_of_ladder(spec.contact_hardening)
+    rough = ", ".join(f"{LADDER[level]:.3g}" for level in sorted(read - {0}))
+    what = f"its surfaces read those of roughness {rough}" if rough else "only mirrors show it"
+    decision = spec.forced.decide(Effect.LEVELS, len(read) == len(every), what)
+    if decision.on:
+        return every, decision
+    return ([0] if decision.forced else sorted(read)), decision
+
+
+def _all_within(probe: ProbeSpec, cameras: Sequence[CameraReading]) -> bool:
+    """Whether all cameras are known to stay in a probe's box; False where there is none."""
+    places = [camera.place for camera in cameras if camera.place is not None]
+    return len(places) == len(cameras) > 0 and probe.encloses(np.array(places))

@@ -1,0 +1,240 @@
+"""Which effects each surface of a material needs, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from .decisions import Decision, Effect, Forced
+from .effects.dielectric import Dielectric
+from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of, may_transmit
+from .effects.lookup import LEAST_SPREAD, MOST_SPREAD
+from .effects.metal import Metal, TintedMetal
+from .effects.multiscatter import Multiscatter
+from .effects.roughness import neighbours
+from .effects.surface import Ray, SurfaceEffects, surface_effects
+from .effects.thin_film import ThinFilm
+from .effects.transmission import Interface
+from .pictures import LADDER
+from .readings import MaterialReading, SurfaceReading, Value
+
+REFLECTS_NOTHING = "it reflects nothing"
+
+
+@dataclass(frozen=True)
+class SurfacePlan:
+    """One surface of a material.
+
+    Attributes:
+        path: as in its reading.
+        effects: what its shader computes, or None where it keeps its own lobe.
+        roughness: the least and the greatest that it may have.
+        reasons: why, in words; all of them.
+        interface: how often what it is on bends the light that passes, where it transmits.
+        handed_over: the roughness from which on it is left to its own lobe, where it may be so rough; else None.
+        layered: whether something lies over the lobe, such as a coat.
+        bends_normals: whether its normals must be bent lest they mirror the view into the surface.
+        blends: whether it reads all levels, as if its roughness varied.
+        decisions: what each effect that its kind of surface may have was decided to be.
+    """
+
+    path: tuple[str, ...]
+    effects: SurfaceEffects | None
+    roughness: tuple[float, float]
+    reasons: tuple[str, ...]
+    interface: Interface = Interface.SOLID
+    handed_over: float | None = None
+    layered: bool = False
+    bends_normals: bool = False
+    blends: bool = False
+    decisions: tuple[Decision, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Its node, with the groups that lead to it."""
+        return " › ".join(self.path)
+
+    def levels(self, rungs: Sequence[float], ray: Ray, hardening: bool = False) -> range:
+        """Which levels of a ladder of ascending roughnesses it reads along one of its rays.
+
+        Args:
+            rungs: the roughnesses.
+            ray: which.
+            hardening: whether the probe shows the sharper what is nearer.
+        """
+        if self.blends:
+            return range(len(rungs))
+        low, high = (roughness * ray.narrowing for roughness in self.roughness)
+        if self.handed_over is not None:
+            high = min(high, self.handed_over * ray.narrowing)
+        if hardening:
+            low, high = low * LEAST_SPREAD, high * MOST_SPREAD
+        return neighbours(rungs, low, high)
+
+    def levels_of_ladder(self, hardening: bool) -> set[int]:
+        """The levels of a whole ladder that it reads along all its rays."""
+        rays = self.effects.rays if self.effects is not None else ()
+        return {level for ray in rays for level in self.levels(LADDER, ray, hardening)}
+
+    @property
+    def varies(self) -> bool:
+        """Whether its roughness may differ from point to point."""
+        return self.roughness[0] < self.roughness[1]
+
+    @property
+    def captured_whole(self) -> bool:
+        """Whether captures show its own lobes though they depend on the place, as glass is to be seen through."""
+        return self.effects is not None and self.effects.transmits
+
+
+def plan_surfaces(
+    material: MaterialReading, roughness_limit: float, interface: Interface = Interface.SOLID
+) -> tuple[SurfacePlan, ...]:
+    """What each surface of a material computes, or why it keeps its own lobe."""
+    return tuple(
+        _plan_surface(surface, roughness_limit, material.bends_normals, interface, material.forced)
+        for surface in material.surfaces
+    )
+
+
+def _plan_surface(
+    given: SurfaceReading, limit: float, bends_normals: bool, interface: Interface, forced: Forced
+) -> SurfacePlan:
+    surface = as_forced(given, forced)
+    if Effect.OWN_LOBE in forced.off:
+        limit = 1.0
+    roughness = surface.scalar("Roughness") if surface.has("Roughness") else 0.0
+    reasons = list(_refusals(surface, roughness, limit))
+    if interface is Interface.VESSEL and surface.kind in KINDS and may_transmit(surface):
+        reasons.append("is seen through, and other objects stand inside what it covers, which no probe could show")
+    effects = None if reasons or surface.kind not in KINDS else surface_effects(surface, interface)
+    low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
+    if effects is None:
+        return SurfacePlan(surface.path, None, (low, high), tuple(reasons or [REFLECTS_NOTHING]), interface)
+    blends = Effect.ROUGHNESS in forced.on
+    effects = replace(effects, smooth=effects.smooth and not blends)
+    handed_over = limit if high > limit else None
+    how = f"roughness {low:.3g}" if low == high else "roughness varies"
+    beyond = f"; where it is above the limit {limit:.3g} it keeps its own lobe" if handed_over is not None else ""
+    layers = layers_of(surface)
+    refused = KINDS[surface.kind].refused
+    values = {name: surface.value(name) for name in refused if surface.has(name)}
+    rounded = [refused[name].served for name, value in values.items() if value != 0.0 and refused[name].ignored(value)]
+    reasons = [how + beyond, effects.label, *rounded, *(f"its {layer} lies over that as it is" for layer in layers)]
+    bends = forced.decide(Effect.BENT_NORMALS, bends_normals and _has_own_normals(surface), _normals_of(surface))
+    bent = bends.on and _has_own_normals(surface)
+    reasons += ["its normals are bent where they would mirror the view into the surface"] * bent
+    if effects.transmits and interface is Interface.ONCE:
+        reasons.append("it bends light once, as its objects have no far side (Thickness: Slab would make them panes)")
+    plan = SurfacePlan(
+        surface.path, effects, (low, high), tuple(reasons), interface, handed_over, bool(layers), bent, blends
+    )
+    return replace(plan, decisions=(*surface_decisions(given, plan, forced), bends))
+
+
+def _has_own_normals(surface: SurfaceReading) -> bool:
+    return surface.has("Normal") and surface.value("Normal") is None
+
+
+def _normals_of(surface: SurfaceReading) -> str:
+    return "something perturbs its normals" if _has_own_normals(surface) else "nothing perturbs its normals"
+
+
+def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
+    """A surface as its effects see it: what is forced on may vary, what is forced off is nowhere."""
+    changed: dict[str, Value] = {}
+    for effect, inputs in _DECIDING.items():
+        for name, without in inputs.items():
+            if effect in forced.off:
+                changed[name] = without
+            elif effect in forced.on and effect.lossless and surface.has(name) and surface.value(name) == without:
+                changed[name] = None
+    if Effect.DIELECTRIC in forced.off:
+        changed["Specular IOR Level"] = 0.0
+    elif Effect.DIELECTRIC in forced.on and surface.has("Metallic") and surface.value("Metallic") != 0.0:
+        changed["Metallic"] = None
+    if Effect.ROUGHNESS in forced.off:
+        changed["Roughness"] = 0.0
+    kept = tuple((name, changed.get(name, value)) for name, value in surface.inputs)
+    single = Effect.MULTISCATTER in forced.off and surface.distribution == "MULTI_GGX"
+    return replace(surface, inputs=kept, distribution="GGX" if single else surface.distribution)
+
+
+_DECIDING: Mapping[Effect, Mapping[str, Value]] = {
+    Effect.METAL: {"Metallic": 0.0},
+    Effect.TINT: {"Specular Tint": (1.0, 1.0, 1.0), "Edge Tint": (1.0, 1.0, 1.0)},
+    Effect.TRANSMISSION: {"Transmission Weight": 0.0},
+    Effect.FILM: {"Thin Film Thickness": 0.0},
+    Effect.ANISOTROPY: {"Anisotropic": 0.0, "Anisotropy": 0.0},
+}
+"""The inputs that an effect is needed for, with their values where it is not."""
+
+
+def surface_decisions(surface: SurfaceReading, plan: SurfacePlan, forced: Forced) -> Iterator[Decision]:
+    """Which effects a surface has of those that its kind may have, and why.
+
+    Args:
+        surface: as read, nothing forced.
+        plan: what was decided of it.
+        forced: what its user decided.
+    """
+    assert plan.effects is not None
+    parts = plan.effects.effects
+    metals = [part for part in parts if isinstance(part, (Metal, TintedMetal))]
+    dielectrics = [part for part in parts if isinstance(part, Dielectric)]
+    has = {
+        Effect.METAL: bool(metals),
+        Effect.TINT: any(m.tinted for m in metals) or any(d.f0 is None for d in dielectrics),
+        Effect.TRANSMISSION: plan.effects.transmits,
+        Effect.FILM: any(isinstance(part, ThinFilm) for part in parts),
+        Effect.ANISOTROPY: plan.effects.anisotropy is not None,
+    }
+    for effect, inputs in _DECIDING.items():
+        for name in inputs:
+            if surface.has(name):
+                yield _said(effect, has[effect], _in_words(surface, name), forced)
+    if surface.has("Metallic"):
+        why = _in_words(surface, "Metallic" if surface.value("Metallic") != 0.0 else "IOR")
+        yield _said(Effect.DIELECTRIC, bool(dielectrics), why, forced)
+    scattering = any(isinstance(part, Multiscatter) for part in parts)
+    facets = surface.distribution.replace("_", " ").title() or "those of a mirror"
+    smooth = "it is a mirror" if plan.roughness == (0.0, 0.0) else f"its microfacets are {facets}"
+    yield _said(Effect.MULTISCATTER, scattering, smooth, forced)
+    if surface.has("Roughness"):
+        yield _said(Effect.ROUGHNESS, plan.blends or plan.varies, _in_words(surface, "Roughness"), forced)
+        limit = "it may be rougher than the limit" if plan.handed_over is not None else "it is nowhere too rough"
+        yield _said(Effect.OWN_LOBE, plan.handed_over is not None, limit, forced)
+
+
+def _said(effect: Effect, on: bool, why: str, forced: Forced) -> Decision:
+    chosen = effect in (forced.on if on else forced.off)
+    return Decision(effect, on, f"forced {'on' if on else 'off'}; {why}" if chosen else why, chosen)
+
+
+def _in_words(surface: SurfaceReading, name: str) -> str:
+    value = surface.value(name)
+    if value is None:
+        return f"its {name} varies"
+    numbers = ", ".join(f"{v:.3g}" for v in (value[:3] if isinstance(value, tuple) else (value,)))
+    return f"its {name} is {numbers}"
+
+
+def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) -> Iterator[str]:
+    """Why a surface keeps its own lobe, all reasons; none where a probe can serve it or it reflects nothing."""
+    if surface.kind in WITHOUT_GLOSS:
+        return
+    kind = KINDS.get(surface.kind)
+    if kind is None:
+        words = surface.kind.removeprefix("ShaderNode").removeprefix("Bsdf")
+        yield f"is a {words} shader (a Principled BSDF would show a probe)"
+        return
+    yield from (no.why for name, no in kind.refused.items() if surface.has(name) and no.applies(surface.value(name)))
+    if roughness != 0.0 and surface.distribution and surface.distribution not in MICROFACETS:
+        yield f"its microfacets are {surface.distribution.replace('_', ' ').title()} (GGX would show a probe)"
+    if surface.fresnel not in ("", "F82"):
+        yield "has a physical conductor's curve (F82 Tint would show a probe)"
+    ior = surface.scalar("IOR") if surface.has("IOR") else None
+    if ior is not None and ior < 1.0 and roughness != 0.0:
+        yield "has an IOR below 1 (1 or more would show a probe, or a roughness of 0)"
+    if roughness is not None and roughness > limit:
+        yield f"its roughness {roughness:.3g} is above the scene's limit {limit:.3g}"
