@@ -33,7 +33,6 @@ class Effect(Enum):
     WALLS = "walls", "Points on Walls", "Guard the division for points that lie on the box"
     # Of its pictures.
     LEVELS = "levels", "All Levels", "Keep pictures for all roughnesses, whatever surfaces have"
-    GLIMPSES = "glimpses", "Faults behind the Denoiser", "Look once more for light that the denoiser hides"
     # Of surfaces.
     MULTISCATTER = "multiscatter", "Multiple Scattering", "Give back the energy that microfacets scatter", False
     ANISOTROPY = "anisotropy", "Anisotropy", "Look up wide lobes at five places", False
@@ -60,7 +59,6 @@ OF_PROBES = (
     Effect.HARDENING,
     Effect.WALLS,
     Effect.LEVELS,
-    Effect.GLIMPSES,
 )
 """What can be forced for a probe."""
 
