@@ -17,6 +17,8 @@ import bpy
 Item = bpy.types.ID | bpy.types.Node
 
 BY_HAND = "by hand"  # role of a probe's group for shaders made by hand; captures see it black
+INTERIOR = "interior"  # role of a window's group
+ROOMS = "rooms"  # note on a window's group: where its rooms come from
 VERSION = "version"  # note on a group: which version of the code built it
 _MARK, _TOKEN = "parallax_probes", "parallax-probes: "
 _COPY, _ORIGINAL = "material for some objects", "original"  # role of a copied material, and note of what it stands for

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
 
+from ..core.cubemap import FACE_NAMES
 from ..core.errors import PccError
+from ..core.faces_needed import said
 from ..core.frames import STILL, FrameRange, spans
 from ..core.probe import ProbeSpec, Source
 from ..core.sequence import changed_frames
 from ..core.sidecar import Sidecar
+from .planning import plan_scene
 from .read.fingerprint import SceneFingerprint
 from .read.frames import at_frame, frames_of, visit
 from .read.probes import all_probes, bake_record, check_place, probe_spec
@@ -41,8 +45,24 @@ def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[Pr
     """The state of every probe of a scene, by name; goes through the frames of sequences and back."""
     probes = all_probes(scene)
     fingerprint = SceneFingerprint(scene, view_layer)
+    needed = _needed_faces(scene, view_layer, probes)
     seen = _seen_by_sequences(scene, view_layer, [probe for probe in probes if frames_of(probe)])
-    return [_status(probe, view_layer, fingerprint, seen.get(probe.name, {})) for probe in probes]
+    return [
+        _status(probe, view_layer, fingerprint, seen.get(probe.name, {}), needed.get(probe.name, ()))
+        for probe in probes
+    ]
+
+
+def _needed_faces(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, probes: Sequence[bpy.types.Object]
+) -> dict[str, tuple[str, ...]]:
+    """The faces that each probe needs now, by its name; nothing where no bake lacks one, which spares the plan."""
+    for probe in probes:
+        with contextlib.suppress(PccError):  # which its status tells
+            record = bake_record(probe)
+            if record is not None and record.lacks(FACE_NAMES):
+                return {plan.probe: plan.faces for plan in plan_scene(scene, view_layer).probes}
+    return {}
 
 
 def _seen_by_sequences(
@@ -70,6 +90,7 @@ def _status(
     view_layer: bpy.types.ViewLayer,
     fingerprint: SceneFingerprint,
     seen: Mapping[int, str],
+    needed: Sequence[str],
 ) -> ProbeStatus:
     try:
         check_place(probe, view_layer)
@@ -88,6 +109,10 @@ def _status(
         return _status_of_sequence(spec, record, seen)
     if record.content_hash != now:
         return ProbeStatus(probe.name, "stale", f"{_CHANGED[spec.source]} or the probe changed since its bake")
+    lacking = record.lacks(needed)
+    if lacking:
+        why = f"its {said(lacking)} not captured and needed now; bake it again, which then renders nothing else"
+        return ProbeStatus(probe.name, "stale", why)
     return ProbeStatus(probe.name, "baked")
 
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .belonging import Belongings, belongings, vessels
+from .cubemap import FACE_NAMES
 from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of, may_transmit
 from .effects.lookup import LEAST_SPREAD, MOST_SPREAD
 from .effects.records import LookupEffects
 from .effects.roughness import neighbours
 from .effects.surface import Ray, SurfaceEffects, surface_effects
 from .effects.transmission import Interface
+from .faces_needed import FaceNeeds
 from .parts import Division, divide
 from .pictures import LADDER, PictureKey, PictureKind
 from .probe import ProbeSpec, Receivers
@@ -128,6 +130,8 @@ class ProbePlan:
         lookup: what its lookup computes.
         pictures: those that it needs, sharpest first.
         reasons: why, in words.
+        faces: those that its bake must capture, by name, in the order of `cubemap.FACES`.
+        shown_faces: those that lookups may read of the picture that it has.
     """
 
     probe: str
@@ -136,6 +140,8 @@ class ProbePlan:
     lookup: LookupEffects
     pictures: tuple[PictureKey, ...]
     reasons: tuple[str, ...]
+    faces: tuple[str, ...] = FACE_NAMES
+    shown_faces: tuple[str, ...] = FACE_NAMES
 
 
 @dataclass(frozen=True)
@@ -174,6 +180,8 @@ def make_plan(scene: SceneReading) -> Plan:
         for probe in plan.probes:
             showing[probe].append(plan)
     probes = [_plan_probe(spec, showing[spec.name], found, scene.cameras, read[spec.name]) for spec in specs]
+    faces = FaceNeeds(scene)
+    probes = [_with_faces(probe, faces, read[probe.probe], showing[probe.probe]) for probe in probes]
     return Plan(tuple(probes), tuple(materials), tuple(notes))
 
 
@@ -323,6 +331,14 @@ def _plan_probe(
     reasons.append("all levels, so that a changed roughness needs no new bake")
     pictures = tuple(PictureKey(PictureKind.RADIANCE, level) for level in range(len(LADDER)))
     return ProbePlan(spec.name, receivers, bool(shared), lookup, pictures, tuple(reasons))
+
+
+def _with_faces(
+    plan: ProbePlan, faces: FaceNeeds, reading: ProbeReading, shown_by: Sequence[MaterialPlan]
+) -> ProbePlan:
+    needed = faces.of(plan, reading, shown_by)
+    reasons = (*plan.reasons, needed.reason) if needed.reason else plan.reasons
+    return replace(plan, faces=needed.captured, shown_faces=needed.shown, reasons=reasons)
 
 
 def _all_within(probe: ProbeSpec, cameras: Sequence[CameraReading]) -> bool:

@@ -56,6 +56,7 @@ def test_the_records_say_everything() -> None:
         "probe": "A",
         "lookup": "aligned box, inside, centred",
         "pictures": [f"radiance-{k}" for k in range(len(LADDER))],
+        "faces": ["+X", "-X", "+Y", "-Y", "+Z", "-Z"],
         "reasons": list(PLAN.probes[0].reasons),
     }
     assert b["probe"] == "B"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import fields
 from functools import lru_cache
@@ -15,6 +16,7 @@ from ...core.errors import PccError, ProbeError
 from ...core.influence import Influence
 from ...core.probe import Box, Engine, ProbeSpec, Source
 from ...core.sidecar import Sidecar
+from .. import marks
 from ..properties import PCC_Probe
 
 # The fields of a record that are what the setting of the same name says.
@@ -96,6 +98,20 @@ def _influence(settings: PCC_Probe) -> Influence:
 
 def _names(collection: bpy.types.Collection) -> frozenset[str]:
     return frozenset(item.name_full for item in collection.all_objects)
+
+
+def read_anyhow() -> set[bpy.types.Object]:
+    """The probes that shaders read along directions of their own: groups made for these, and windows."""
+    found, identities = set(), set()
+    for tree in bpy.data.node_groups:
+        if marks.role(tree) == marks.BY_HAND and tree.users:
+            curves = tree.animation_data.drivers if tree.animation_data else ()
+            found |= {variable.targets[0].id for curve in curves for variable in curve.driver.variables}
+        elif marks.role(tree) == marks.INTERIOR and tree.users:
+            identities |= {room["uid"] for room in json.loads(marks.noted(tree, marks.ROOMS))}
+    if identities:
+        found |= {item for item in bpy.data.objects if item.pcc_probe.is_probe and item.pcc_probe.uid in identities}
+    return found
 
 
 def check_own(probe: bpy.types.Object) -> None:
