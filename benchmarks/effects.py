@@ -145,7 +145,7 @@ def bake() -> Baked:
 def measure_bakes() -> dict[str, Cost]:
     """What effects cost that bakes have."""
     found = {}
-    for effect in (Effect.LEVELS,):
+    for effect in (Effect.LEVELS, Effect.FACES):
         build(Case(effect, needed=False))
         probe = next(o for o in bpy.data.objects if o.pcc_probe.is_probe)
         probe.pcc_probe.resolution, probe.pcc_probe.samples = 256, 16

@@ -18,6 +18,7 @@ Item = bpy.types.ID | bpy.types.Node
 
 BY_HAND = "by hand"  # role of a probe's group for shaders made by hand; captures see it black
 WINDOW = "interior"  # role of a group that shows rooms behind a pane
+ROOMS = "rooms"  # note on such a group: where its rooms come from
 VERSION = "version"  # note on a group: which version of the code built it
 _MARK, _TOKEN = "parallax_probes", "parallax-probes: "
 _COPY, _ORIGINAL = "material for some objects", "original"  # role of a copied material, and note of what it stands for

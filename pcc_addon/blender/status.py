@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import bpy
 
 from ..core.errors import PccError
+from ..core.faces_needed import said
 from ..core.frames import STILL, FrameRange, spans
 from ..core.plan import make_plan
 from ..core.probe import ProbeSpec, Source
@@ -62,7 +63,10 @@ def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[Pr
     late = outdated(reading, plan, {probe.name: probe for probe in probes})
     fingerprint = SceneFingerprint(scene, view_layer)
     seen = _seen_by_sequences(scene, view_layer, [probe for probe in probes if frames_of(probe)])
-    found = [_status(probe, view_layer, fingerprint, seen.get(probe.name, {})) for probe in probes]
+    faces = {probe.probe: probe.faces for probe in plan.probes}
+    found = [
+        _status(probe, view_layer, fingerprint, seen.get(probe.name, {}), faces.get(probe.name, ())) for probe in probes
+    ]
     unneeded = {probe.probe: probe.unneeded for probe in plan.probes}
     return [
         replace(status, unneeded=unneeded.get(status.probe, ""), outdated=late.get(status.probe, ()))
@@ -95,6 +99,7 @@ def _status(
     view_layer: bpy.types.ViewLayer,
     fingerprint: SceneFingerprint,
     seen: Mapping[int, str],
+    needed: Sequence[str],
 ) -> ProbeStatus:
     try:
         check_place(probe, view_layer)
@@ -113,6 +118,10 @@ def _status(
         return _status_of_sequence(spec, record, seen)
     if record.content_hash != now:
         return ProbeStatus(probe.name, "stale", f"{_CHANGED[spec.source]} or the probe changed since its bake")
+    lacking = record.lacks(needed)
+    if lacking:
+        why = f"its {said(lacking)} not captured and needed now; bake it again, which then renders nothing else"
+        return ProbeStatus(probe.name, "stale", why)
     return ProbeStatus(probe.name, "baked")
 
 

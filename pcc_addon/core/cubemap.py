@@ -36,6 +36,8 @@ FACES: tuple[Face, ...] = (
     Face("-Z", (0, 0, -1), (1, 0, 0), (0, 1, 0)),
 )
 
+FACE_NAMES: tuple[str, ...] = tuple(face.name for face in FACES)
+
 
 def face_directions(face: Face, resolution: int, overscan: int = 0) -> np.ndarray:
     """World-space directions through the texel centres of a face, not normalised.
@@ -52,31 +54,52 @@ def face_directions(face: Face, resolution: int, overscan: int = 0) -> np.ndarra
     return forward + axis[None, :, None] * right + axis[:, None, None] * up
 
 
-def sample_faces(faces: Sequence[np.ndarray], overscan: int, directions: np.ndarray) -> np.ndarray:
+def sample_faces(
+    faces: Sequence[np.ndarray | None], overscan: int, directions: np.ndarray, otherwise: np.ndarray | None = None
+) -> np.ndarray:
     """Bicubic (Catmull-Rom) lookup of directions in six faces; a value never leaves the range of its 4 neighbours.
 
     Args:
-        faces: six arrays (n, n, channels) in the order of `FACES`, n = resolution + 2·overscan, row 0 at the bottom.
+        faces: six arrays (n, n, channels) in the order of `FACES`, n = resolution + 2·overscan, row 0 at the bottom;
+            None for those that are not there, at least one is.
         overscan: texels that each face holds beyond its 90°, at least 2: lookups at an edge read real pixels.
         directions: (..., 3), world space, not zero.
+        otherwise: (..., channels): what directions have whose faces are not there; None: 0.
 
     Returns:
         (..., channels) float32.
 
     Raises:
-        ValueError: the overscan is below 2 texels.
+        ValueError: the overscan is below 2 texels, or there is no face.
     """
     if overscan < 2:
         raise ValueError(f"bicubic lookup needs an overscan of at least 2 texels, not {overscan}")
-    size = faces[0].shape[0]
+    size, channels = face_shape(faces)
     resolution = size - 2 * overscan
     flat = np.asarray(directions, np.float64).reshape(-1, 3)
-    result = np.empty((len(flat), faces[0].shape[2]), np.float32)
+    result = np.zeros((len(flat), channels), np.float32)
+    if otherwise is not None:
+        result[:] = otherwise.reshape(-1, channels)
     for k, chosen, a, b in find_faces(flat):
+        picture = faces[k]
+        if picture is None:
+            continue
         column = (a + 1.0) * (0.5 * resolution) - 0.5 + overscan
         row = (b + 1.0) * (0.5 * resolution) - 0.5 + overscan
-        result[chosen] = _bicubic(faces[k], row, column)
+        result[chosen] = _bicubic(picture, row, column)
     return result.reshape(*np.shape(directions)[:-1], -1)
+
+
+def face_shape(faces: Sequence[np.ndarray | None]) -> tuple[int, int]:
+    """How many texels faces have across, and how many channels.
+
+    Raises:
+        ValueError: there is none.
+    """
+    there = next((face for face in faces if face is not None), None)
+    if there is None:
+        raise ValueError("a picture needs at least one face")
+    return there.shape[0], there.shape[2]
 
 
 def find_faces(directions: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray]]:

@@ -33,6 +33,7 @@ class Effect(Enum):
     WALLS = "walls", "Points on Walls", "Guard the division for points that lie on the box"
     # Of its pictures.
     LEVELS = "levels", "All Levels", "Keep pictures for all roughnesses, whatever surfaces have"
+    FACES = "faces", "All Faces", "Capture all six faces, whether surfaces can mirror them or not"
     # Of surfaces.
     MULTISCATTER = "multiscatter", "Multiple Scattering", "Give back the energy that microfacets scatter", False
     ANISOTROPY = "anisotropy", "Anisotropy", "Look up wide lobes at five places", False
@@ -59,6 +60,7 @@ OF_PROBES = (
     Effect.HARDENING,
     Effect.WALLS,
     Effect.LEVELS,
+    Effect.FACES,
 )
 """What can be forced for a probe."""
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .cubemap import sample_faces
+from .cubemap import face_shape, sample_faces
 
 
 def directions(width: int, height: int, rows: slice = slice(None)) -> np.ndarray:
@@ -34,21 +34,30 @@ def solid_angles(width: int, height: int) -> np.ndarray:
 
 
 def from_faces(
-    faces: Sequence[np.ndarray], overscan: int, rows_at_once: int = 64, axes: np.ndarray | None = None
+    faces: Sequence[np.ndarray | None],
+    overscan: int,
+    rows_at_once: int = 64,
+    axes: np.ndarray | None = None,
+    before: np.ndarray | None = None,
 ) -> np.ndarray:
     """The equirectangular picture (2n, 4n, channels) float32 of six faces with n texels across 90°.
 
     Args:
-        faces, overscan: as `sample_faces` has them.
+        faces, overscan: as `sample_faces` has them; texels whose face is None are black.
         rows_at_once: of the picture; more take more memory.
         axes: (3, 3), columns: where the picture's axes point to, in the space of the faces; None: the same space.
+        before: (2n, 4n, channels): texels whose face is None are as they are here instead.
+
+    Raises:
+        ValueError: there is no face.
     """
-    resolution = faces[0].shape[0] - 2 * overscan
+    resolution = face_shape(faces)[0] - 2 * overscan
     width, height = 4 * resolution, 2 * resolution
-    blocks = [
-        sample_faces(faces, overscan, _turned(directions(width, height, slice(start, start + rows_at_once)), axes))
-        for start in range(0, height, rows_at_once)
-    ]
+    blocks = []
+    for start in range(0, height, rows_at_once):
+        rows = slice(start, start + rows_at_once)
+        otherwise = None if before is None else before[rows]
+        blocks.append(sample_faces(faces, overscan, _turned(directions(width, height, rows), axes), otherwise))
     return np.concatenate(blocks)
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from .belonging import belongings, vessels
 from .effects.transmission import Interface
+from .faces_needed import FaceNeeds
 from .material_plan import MaterialPlan, plan_material
-from .probe_plan import ProbePlan, plan_probe
+from .probe_plan import ProbePlan, plan_probe, with_faces
 from .readings import SceneReading
 from .surface_plan import plan_surfaces
 
@@ -50,6 +51,8 @@ def make_plan(scene: SceneReading) -> Plan:
         for probe in plan.probes:
             showing[probe].append(plan)
     probes = [plan_probe(spec, showing[spec.name], found, scene, read[spec.name]) for spec in specs]
+    faces = FaceNeeds(scene)
+    probes = [with_faces(probe, faces, read[probe.probe], showing[probe.probe]) for probe in probes]
     return Plan(tuple(probes), tuple(materials), tuple(notes))
 
 

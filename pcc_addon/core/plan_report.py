@@ -56,6 +56,7 @@ def _probe(probe: ProbePlan) -> dict[str, object]:
         "probe": probe.probe,
         "lookup": probe.lookup.label,
         "pictures": [key.text for key in probe.pictures],
+        "faces": list(probe.faces),
         "reasons": list(probe.reasons),
         "unneeded": probe.unneeded,
         "effects": list(map(_decision, probe.decisions)),

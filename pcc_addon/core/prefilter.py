@@ -43,6 +43,19 @@ def level_height(source_height: int, roughness: float) -> int:
     return height
 
 
+def mixed_within(source_height: int, roughness: float) -> float:
+    """The angle, radians, from a direction within which lie all texels of a capture that its lookup in a level mixes.
+
+    Args:
+        source_height: rows of the capture's equirectangular picture.
+        roughness: of the level, 0 … 1; 0 for the capture itself.
+    """
+    if roughness == 0.0:
+        return 2.0 * np.pi / source_height  # to the farthest of four texels, half a texel off a pole
+    texel = np.pi / level_height(source_height, roughness)
+    return _lobe_angle(roughness, _KEPT_ENERGY) + 4.0 * texel  # of these the kernel has one, and `shrink` a half
+
+
 def shrink(picture: np.ndarray, height: int) -> np.ndarray:
     """Area-weighted reduction (by solid angle, so energy is kept) of (h, 2h, c) to (height, 2·height, c) float64.
 

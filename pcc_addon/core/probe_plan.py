@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .belonging import Belongings
+from .cubemap import FACE_NAMES
 from .decisions import Decision, Effect
 from .effects.records import LookupEffects
+from .faces_needed import FaceNeeds
 from .lookup_plan import Receivers, plan_lookup
 from .material_plan import MaterialPlan
 from .pictures import LADDER, PictureKey, PictureKind
@@ -31,6 +33,8 @@ class ProbePlan:
         reasons: why, in words.
         decisions: what each effect that a probe may have was decided to be.
         unneeded: why it needs no bake, in words; empty: it needs one.
+        faces: those that its bake must capture, by name, in the order of `cubemap.FACES`.
+        shown_faces: those that lookups may read of the picture that it has.
     """
 
     probe: str
@@ -41,6 +45,8 @@ class ProbePlan:
     reasons: tuple[str, ...]
     decisions: tuple[Decision, ...] = ()
     unneeded: str = ""
+    faces: tuple[str, ...] = FACE_NAMES
+    shown_faces: tuple[str, ...] = FACE_NAMES
 
     @property
     def roughnesses(self) -> tuple[float, ...]:
@@ -99,6 +105,15 @@ def plan_probe(
     pictures = tuple(PictureKey(PictureKind.RADIANCE, level) for level in levels)
     decisions = (*lookup.decisions, decision)
     return ProbePlan(spec.name, receivers, bool(shared), lookup.effects, pictures, tuple(reasons), decisions, unneeded)
+
+
+def with_faces(plan: ProbePlan, faces: FaceNeeds, reading: ProbeReading, shown_by: Sequence[MaterialPlan]) -> ProbePlan:
+    """The plan of a probe with the faces that its bake must capture."""
+    needed = faces.of(plan, reading, shown_by)
+    assert reading.spec is not None
+    decision = reading.spec.forced.decide(Effect.FACES, needed.captured == FACE_NAMES, needed.reason)
+    captured = FACE_NAMES if decision.on else needed.captured
+    return replace(plan, faces=captured, shown_faces=needed.shown, decisions=(*plan.decisions, decision))
 
 
 def _unneeded(spec: ProbeSpec, found: Belongings, scene: SceneReading, reading: ProbeReading) -> str:

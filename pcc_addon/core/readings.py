@@ -6,6 +6,7 @@ an animated value) is None.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -142,6 +143,32 @@ class WallReading:
 _GAP = 0.01  # of its area, by which a surface may fail to close
 
 
+@dataclass(frozen=True, eq=False)
+class FacetReading:
+    """What a material covers of an object whose polygons are flat, lie in few directions and stay where they are.
+
+    A side of them that faces one way counts once; both sides of each polygon do, as normals face the eye.
+
+    Attributes:
+        object, material: their names.
+        normals: (n, 3) float64, world space, unit.
+        offsets: (n,) float64, metres: the least of P·normal over all points P of polygons with that normal or its
+            opposite.
+    """
+
+    object: str
+    material: str
+    normals: np.ndarray
+    offsets: np.ndarray
+
+    @classmethod
+    def of(cls, object_name: str, material: str, normals: np.ndarray, points: Sequence[np.ndarray]) -> FacetReading:
+        """From unit normals (n, 3), none the opposite of another, and the points (k, 3) of each; world space."""
+        heights = [at @ normal for normal, at in zip(normals, points, strict=True)]
+        offsets = [height.min() for height in heights] + [-height.max() for height in heights]
+        return cls(object_name, material, np.concatenate([normals, -normals]), np.array(offsets, np.float64))
+
+
 @dataclass(frozen=True)
 class ProbeReading:
     """One probe.
@@ -154,6 +181,7 @@ class ProbeReading:
         source: where its pictures came from.
         by_hand: whether shaders made by hand read it.
         in_windows: whether windows show its room.
+        over_frames: whether it has pictures for frames, at which others may show it than now.
     """
 
     name: str
@@ -163,6 +191,12 @@ class ProbeReading:
     source: Source = Source.BAKE
     by_hand: bool = False
     in_windows: bool = False
+    over_frames: bool = False
+
+    @property
+    def read_anyhow(self) -> bool:
+        """Whether more reads it than materials as they are now."""
+        return self.by_hand or self.in_windows or self.over_frames
 
 
 @dataclass(frozen=True)
@@ -188,6 +222,7 @@ class SceneReading:
         roughness_limit: rougher surfaces keep their own lobe.
         cameras: those that render: the scene's own and those that markers choose.
         walls: of what light passes through.
+        facets: of objects with a sharp material, where that is flat; others are not known to be.
         animated: names of objects and materials that animation, drivers or constraints may change.
     """
 
@@ -198,4 +233,5 @@ class SceneReading:
     roughness_limit: float = 0.6
     cameras: tuple[CameraReading, ...] = ()
     walls: tuple[WallReading, ...] = ()
+    facets: tuple[FacetReading, ...] = ()
     animated: frozenset[str] = field(default=frozenset())

@@ -7,14 +7,14 @@ import json
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .cubemap import FACES
+from .cubemap import FACE_NAMES, FACES
 from .errors import BakeError
 from .pictures import STILL, PictureKey, PictureKind
 from .probe import ProbeSpec, Source
@@ -94,6 +94,7 @@ class Sidecar:
         source: where the pictures came from.
         moments: of a sequence, one for each of its frames, ascending; empty for a still. Of a sequence, what else is
             said is that of its first picture.
+        faces: those that were captured, by name, in the order of `FACES`; where others lie pictures are black.
     """
 
     probe: str
@@ -113,6 +114,7 @@ class Sidecar:
     replaced_pixels: tuple[str, ...] = ()
     source: Source = Source.BAKE
     moments: tuple[Moment, ...] = ()
+    faces: tuple[str, ...] = FACE_NAMES
 
     @property
     def frames(self) -> tuple[int, ...]:
@@ -135,6 +137,7 @@ class Sidecar:
         blender: str,
         addon: str,
         replaced_pixels: tuple[str, ...] = (),
+        faces: tuple[str, ...] = FACE_NAMES,
     ) -> Sidecar:
         """The record of a bake of `spec`, as yet without levels."""
         x, y, z = spec.capture_point
@@ -155,7 +158,12 @@ class Sidecar:
             levels=(),
             replaced_pixels=replaced_pixels,
             source=spec.source,
+            faces=faces,
         )
+
+    def lacks(self, faces: Iterable[str]) -> tuple[str, ...]:
+        """Those of some faces that were not captured."""
+        return tuple(name for name in faces if name not in self.faces)
 
     def to_json(self) -> str:
         """The sidecar's text, with the format's version and the face convention."""
@@ -210,6 +218,7 @@ class Sidecar:
             replaced_pixels=tuple(_text(words) for words in plain.get("replaced_pixels", ())),
             source=Source(plain.get("source", Source.BAKE.value)),
             moments=tuple(_moment(moment) for moment in plain.get("moments", ())),
+            faces=_faces(plain.get("faces", list(FACE_NAMES))),
         )
 
 
@@ -257,6 +266,15 @@ def _levels(found: object) -> tuple[Level, ...]:
     if not isinstance(found, list):
         raise TypeError("its levels are no list")
     return tuple(Level.from_plain(level) for level in found)
+
+
+def _faces(found: object) -> tuple[str, ...]:
+    if not isinstance(found, list) or not found or not all(isinstance(name, str) for name in found):
+        raise TypeError("its faces are no names")
+    faces = tuple(name for name in FACE_NAMES if name in found)
+    if len(faces) != len(found):
+        raise ValueError("its faces are not among the six, each once")
+    return faces
 
 
 def _moment(plain: Mapping[str, Any]) -> Moment:

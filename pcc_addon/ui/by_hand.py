@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 
 from ..blender import marks
 from ..blender.read.probes import all_probes, bake_record, named_probes
 from ..blender.shade.by_hand import group_for, mirrored_view_group
 from ..blender.store.levels import bake_folder, ensure_levels
+from ..core.cubemap import FACE_NAMES
 from ..core.errors import PccError
+from ..core.faces_needed import told_missing
 from ..core.pictures import LADDER
 
 
@@ -72,7 +76,18 @@ class PCC_OT_node_add(_NodeAdd, bpy.types.Operator):
         [probe] = named_probes(context.scene, [self.probe])
         if bake_record(probe) is not None:
             ensure_levels(probe, LADDER, bake_folder(context.scene))
-        return group_for(probe)
+        group = group_for(probe)
+        warn_of_missing_faces(self, [probe])
+        return group
+
+
+def warn_of_missing_faces(operator: bpy.types.Operator, probes: Iterable[bpy.types.Object]) -> None:
+    """Report what some baked probes cannot show to who looks any way."""
+    for probe in probes:
+        record = bake_record(probe)
+        lacking = record.lacks(FACE_NAMES) if record else ()
+        if lacking:
+            operator.report({"WARNING"}, told_missing(probe.name, lacking))
 
 
 class PCC_OT_mirrored_view_add(_NodeAdd, bpy.types.Operator):

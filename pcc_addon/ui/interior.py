@@ -14,6 +14,7 @@ from ..core.effects.interior import Cells
 from ..core.errors import PccError
 from ..core.room_map import Corner
 from ..core.window import Side
+from .by_hand import warn_of_missing_faces
 
 _AUTOMATIC = "0: that of the room in the picture"
 _CORNERS = [("NONE", "None", "There is no such layer")] + [
@@ -93,11 +94,13 @@ class PCC_OT_interior_add(_Options, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            rooms = tuple(room_of_probe(probe, Side[self.side]) for probe in self._probes(context))
+            probes = self._probes(context)
+            rooms = tuple(room_of_probe(probe, Side[self.side]) for probe in probes)
             if not rooms:
                 raise PccError("no probe is selected to show behind the window; select baked probes with the panes")
             across, away, up = rooms[0].picture.half_edges
             size = tuple(2.0 * sum(c * c for c in edge) ** 0.5 for edge in (across, away, up))
+            warn_of_missing_faces(self, probes)
             return self._finish(context, Window(rooms, Cells[self.cells], *self._layers()), size)
         except PccError as error:
             self.report({"ERROR"}, str(error))

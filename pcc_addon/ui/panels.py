@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..blender.read.probes import all_probes
+from ..blender.read.probes import all_probes, bake_record
+from ..core.cubemap import FACE_NAMES
+from ..core.errors import PccError
 
 
 class PCC_PT_probe(bpy.types.Panel):
@@ -49,6 +51,18 @@ class PCC_PT_probe(bpy.types.Panel):
         box.prop(settings, "outside")
         box.prop(settings, "contact_hardening")
         layout.operator("pcc.bake", icon="RENDER_STILL", text="Bake Selected Probes").scope = "SELECTED"
+        lacking = _not_captured(context.object)
+        if lacking:
+            layout.label(text=f"Not captured: {', '.join(lacking)}", icon="INFO")
+
+
+def _not_captured(probe: bpy.types.Object) -> tuple[str, ...]:
+    """The faces that a probe's bake left out, as nothing could mirror that way; black where that has changed since."""
+    try:
+        record = bake_record(probe)
+    except PccError:  # status tells
+        return ()
+    return record.lacks(FACE_NAMES) if record else ()
 
 
 class PCC_PT_influence(bpy.types.Panel):

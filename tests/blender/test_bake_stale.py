@@ -32,7 +32,7 @@ def move_probe() -> None:
 
 
 def change_resolution() -> None:
-    bpy.data.objects["Probe"].pcc_probe.resolution = 32
+    bpy.data.objects["Probe"].pcc_probe.resolution = 18
 
 
 def change_offset() -> None:

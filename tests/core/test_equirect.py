@@ -100,3 +100,29 @@ def test_faces_become_the_picture_of_the_same_world() -> None:
     assert error.max() < 1e-3, "each peaks at a face's centre, between four texels whose range no value leaves"
     d = boxes.directions(500, np.random.default_rng(5))
     np.testing.assert_allclose(equirect.lookup(picture, d), d, atol=2e-3)
+
+
+def world_faces(n: int = 32, overscan: int = 4) -> list[np.ndarray]:
+    """The colour is the direction itself, plus 2, so that nothing is black."""
+    faces = [face_directions(face, n, overscan) for face in FACES]
+    return [(d / np.linalg.norm(d, axis=-1, keepdims=True) + 2.0).astype(np.float32) for d in faces]
+
+
+@pytest.mark.parametrize("missing", [{5}, {0}, {1, 2, 4}, {0, 1, 2, 3, 4}])
+def test_where_faces_are_missing_the_picture_is_black_and_nothing_else_changes(missing: set[int]) -> None:
+    faces = world_faces()
+    whole = equirect.from_faces(faces, 4)
+    picture = equirect.from_faces([None if k in missing else face for k, face in enumerate(faces)], 4, rows_at_once=10)
+    d = equirect.directions(128, 64)
+    axis = np.abs(d).argmax(-1)
+    index = 2 * axis + (np.take_along_axis(d, axis[..., None], -1)[..., 0] < 0.0)
+    there = ~np.isin(index, list(missing))
+    assert 0 < there.sum() < there.size
+    assert np.array_equal(picture[there], whole[there]) and not picture[~there].any()
+    rest = [face if k in missing else None for k, face in enumerate(faces)]
+    assert np.array_equal(equirect.from_faces(rest, 4, rows_at_once=10, before=picture), whole)
+
+
+def test_a_picture_has_a_face_at_least() -> None:
+    with pytest.raises(ValueError, match="at least one face"):
+        equirect.from_faces([None] * 6, 4)

@@ -98,6 +98,7 @@ def test_the_records_say_everything() -> None:
         "probe": "A",
         "lookup": "aligned box, inside, centred, off the walls",
         "pictures": ["radiance-0", "radiance-4", "radiance-5"],
+        "faces": ["+X", "-X", "+Y", "-Y", "+Z", "-Z"],
         "reasons": list(first.reasons),
         "unneeded": "",
         "effects": [plain(decision) for decision in first.decisions],

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pcc_addon.core.cubemap import FACES
+from pcc_addon.core.cubemap import FACE_NAMES, FACES
 from pcc_addon.core.errors import BakeError
 from pcc_addon.core.pictures import PictureKey, PictureKind
 from pcc_addon.core.probe import Source
@@ -52,7 +52,7 @@ RECORD = Sidecar(
 )
 
 
-DEFAULTED = {"replaced_pixels", "source", "moments"}
+DEFAULTED = {"replaced_pixels", "source", "moments", "faces"}
 
 
 def edited(**changes: object) -> str:
@@ -122,6 +122,7 @@ def test_what_may_be_missing_has_a_default() -> None:
     assert Sidecar.from_json(edited(replaced_pixels=...), "here").replaced_pixels == ()
     assert Sidecar.from_json(edited(source=...), "here").source is Source.BAKE
     assert Sidecar.from_json(edited(moments=...), "here").moments == ()
+    assert Sidecar.from_json(edited(faces=...), "here").faces == FACE_NAMES, "older bakes have all six"
     levels = [
         {k: v for k, v in level.items() if k not in ("size", "digest")} for level in json.loads(edited())["levels"]
     ]
@@ -317,6 +318,15 @@ def test_a_sequence_comes_back_and_no_moment_that_is_none() -> None:
     plain = json.loads(record.to_json())["moments"]
     for key, wrong in (("frame", 1.5), ("frame", True), ("number", -1), ("content_hash", 3), ("capture_point", [1.0])):
         refusal(edited(moments=[plain[0], {**plain[1], key: wrong}]))
+
+
+def test_the_faces_that_were_captured_come_back_and_none_that_there_are_not() -> None:
+    record = dataclasses.replace(RECORD, faces=("+X", "-Z"))
+    assert Sidecar.from_json(record.to_json(), "here") == record
+    assert Sidecar.from_json(edited(faces=["-Z", "+X"]), "here").faces == ("+X", "-Z")
+    assert record.lacks(("+X", "-Y", "-Z", "+Z")) == ("-Y", "+Z") and RECORD.lacks(FACE_NAMES) == ()
+    for wrong in ([], None, "+X", {"+X": 1}, ["+X", "+X"], ["+X", "up"], ["+X", 3], [["+X"]], list(FACE_NAMES) * 2):
+        assert "faces" in refusal(edited(faces=wrong))
 
 
 def test_of_several_capture_points_the_farthest_tells_whether_they_are_apart_from_a_place() -> None:

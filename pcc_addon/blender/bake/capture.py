@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 
@@ -13,7 +12,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ...core.cubemap import FACES
+from ...core.cubemap import FACE_NAMES, FACES, Face
 from ...core.errors import BakeError
 from ...core.probe import Engine, ProbeSpec
 from .. import compat
@@ -44,6 +43,7 @@ class Stage:
         view_layer: bpy.types.ViewLayer,
         probes: Sequence[ProbeSpec],
         at_once: int = 0,
+        faces: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
         """A stage for some probes.
 
@@ -52,6 +52,7 @@ class Stage:
             scene, view_layer: what is rendered.
             probes: all that will be captured, in order; faces of the next ones may be rendered with those of one.
             at_once: of how many probes `expect` will be told at most.
+            faces: by a probe's name the names of those that will be asked for; of others all are.
         """
         self.scene = scene
         self.view_layer = view_layer
@@ -64,6 +65,7 @@ class Stage:
         view_layer.update()
         self._things = len(view_layer.depsgraph.object_instances)
         self._probes = list(probes)
+        self._faces = faces or {}
         self._most = 1 if _looks_at_camera(scene) else min(max(len(self._probes), at_once), _TOGETHER)
         self._lens = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
         name = f"pcc capture {uuid.uuid4().hex}"  # which nobody has: views find their cameras by name
@@ -91,7 +93,7 @@ class Stage:
         lens.sensor_width = _SENSOR
         lens.lens = 0.5 * _SENSOR * probe.resolution / _size(probe)  # the inner pixels span exactly 90°
         lens.clip_start, lens.clip_end = probe.clip_start, probe.clip_end
-        self._place_cameras([probe])
+        self._place_cameras([(probe, face) for face in FACES])
 
     def face(self, probe: ProbeSpec, index: int) -> np.ndarray:
         """Render one face: (n + 2·OVERSCAN, same, 3) float32 scene-linear radiance, row 0 at the bottom.
@@ -117,18 +119,22 @@ class Stage:
         return self._ready.pop((probe, settings, index))
 
     def _render_together(self, probe: ProbeSpec, settings: RenderSettings) -> None:
-        """Render all faces of a probe, and those of probes that come after it and are captured alike."""
+        """Render the faces of a probe, and those of probes that come after it and are captured alike."""
         begin = time.perf_counter()
         probes = self._alike(probe, settings)
-        self._place_cameras(probes)
+        views = [(each, face) for each in probes for face in FACES if self._is_asked_for(each, face)]
+        self._place_cameras(views)
         what = f"probe '{probe.name}': its faces"
-        faces = iter(self._renderer.views(what, self._cameras[: len(FACES) * len(probes)]))
-        for each in probes:
-            self._ready.update({(each, settings, k): _checked(what, next(faces), settings) for k in range(len(FACES))})
-        share = (time.perf_counter() - begin) / len(probes)
-        self.owed[probe.name] = self.owed.get(probe.name, 0.0) - share * len(probes)
-        for each in probes:
-            self.owed[each.name] = self.owed.get(each.name, 0.0) + share
+        pictures = self._renderer.views(what, self._cameras[: len(views)])
+        for (each, face), picture in zip(views, pictures, strict=True):
+            self._ready[each, settings, FACES.index(face)] = _checked(what, picture, settings)
+        seconds = time.perf_counter() - begin
+        self.owed[probe.name] = self.owed.get(probe.name, 0.0) - seconds
+        for each, _ in views:
+            self.owed[each.name] = self.owed.get(each.name, 0.0) + seconds / len(views)
+
+    def _is_asked_for(self, probe: ProbeSpec, face: Face) -> bool:
+        return face.name in self._faces.get(probe.name, FACE_NAMES)
 
     def _alike(self, probe: ProbeSpec, settings: RenderSettings) -> list[ProbeSpec]:
         """The probes whose faces are rendered with those of one: it and the next ones that nothing sets apart."""
@@ -145,9 +151,9 @@ class Stage:
         """A probe and those after it."""
         return self._probes[self._probes.index(probe) :]
 
-    def _place_cameras(self, probes: Sequence[ProbeSpec]) -> None:
-        """Six cameras for each probe."""
-        for camera, (probe, face) in zip(self._cameras, itertools.product(probes, FACES), strict=False):
+    def _place_cameras(self, views: Sequence[tuple[ProbeSpec, Face]]) -> None:
+        """A camera for each face."""
+        for camera, (probe, face) in zip(self._cameras, views, strict=False):
             rotation = Matrix(face.rotation.tolist()).to_4x4()
             camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
 

@@ -1,4 +1,4 @@
-"""From six renders, or a picture from elsewhere, to the levels of one picture."""
+"""From the renders of faces, or a picture from elsewhere, to the levels of one picture."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import bpy
 import numpy as np
 
 from ...core import equirect, radiance
-from ...core.cubemap import FACES
+from ...core.cubemap import FACE_NAMES
 from ...core.prefilter import prefilter
 from ...core.probe import Engine, ProbeSpec
+from ..store.pictures import read_pixels
 from . import environment
 from .capture import OVERSCAN, Stage
 from .surroundings import black_capture, is_nearly_black
@@ -23,17 +24,23 @@ class Capture:
     """The faces of one probe that wait to be assembled, what was wrong in them, and the seconds spent on it.
 
     A picture that was not captured in the box stands for the faces.
+
+    Attributes:
+        names: of the faces to render.
+        before: the picture that has others already; None: these are left black.
     """
 
     spec: ProbeSpec
-    faces: list[np.ndarray] = field(default_factory=list)
+    names: tuple[str, ...] = FACE_NAMES
+    before: bpy.types.Image | None = None
+    faces: dict[str, np.ndarray] = field(default_factory=dict)
     picture: np.ndarray | None = None
     replaced: list[str] = field(default_factory=list)
     seconds: float = 0.0
 
     @property
     def bytes_held(self) -> int:
-        return sum(face.nbytes for face in self.faces) + (0 if self.picture is None else self.picture.nbytes)
+        return sum(face.nbytes for face in self.faces.values()) + (0 if self.picture is None else self.picture.nbytes)
 
     def forget(self) -> None:
         """Let go of all pictures."""
@@ -41,9 +48,10 @@ class Capture:
         self.picture = None
 
 
-def steps(spec: ProbeSpec, roughnesses: Sequence[float]) -> int:
-    """Pieces of work: six faces or a picture from elsewhere, assembling, each level but the sharpest, storing."""
-    return environment.steps(spec.source) + 1 + len(roughnesses)
+def steps(capture: Capture, roughnesses: Sequence[float]) -> int:
+    """Pieces of work: its faces or a picture from elsewhere, assembling, each level but the sharpest, storing."""
+    source = capture.spec.source
+    return (environment.steps(source) if source.stretched else len(capture.names)) + 1 + len(roughnesses)
 
 
 def render(stage: Stage, capture: Capture) -> Iterator[str]:
@@ -56,10 +64,12 @@ def render(stage: Stage, capture: Capture) -> Iterator[str]:
         return
     with ExitStack() as stack:
         stage.aim(stack, spec)
-        for index, face in enumerate(FACES):
-            yield f"face {face.name}"
+        for index, name in enumerate(FACE_NAMES):
+            if name not in capture.names:
+                continue
+            yield f"face {name}"
             picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
-            capture.faces.append(picture)
+            capture.faces[name] = picture
             if bad is None and spec.engine is Engine.CYCLES and spec.denoise:
                 _, bad = radiance.clean(index, stage.glimpse(spec, index), OVERSCAN)
                 bad = bad and replace(bad, glimpsed=True)
@@ -70,13 +80,18 @@ def render(stage: Stage, capture: Capture) -> Iterator[str]:
 def levels_of(capture: Capture, roughnesses: Sequence[float]) -> Generator[str, None, dict[float, np.ndarray]]:
     """The pictures (2n, 4n, 3) by roughness, with 0 for the capture itself; yields what comes next."""
     yield "assembling"
-    given = capture.picture
-    pictures = {0.0: equirect.from_faces(capture.faces, OVERSCAN) if given is None else given}
+    pictures = {0.0: _assembled(capture) if capture.picture is None else capture.picture}
     for roughness in roughnesses:
         if roughness > 0.0:
             yield f"roughness {roughness:.3g}"
             pictures[roughness] = prefilter(pictures[0.0], roughness)
     return pictures
+
+
+def _assembled(capture: Capture) -> np.ndarray:
+    faces = [capture.faces.get(name) for name in FACE_NAMES]
+    before = None if capture.before is None else read_pixels(capture.before)
+    return equirect.from_faces(faces, OVERSCAN, before=before)
 
 
 def warnings_of(

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from ...core.cubemap import FACE_NAMES
 from ...core.errors import Cancelled, PccError
 from ...core.frames import STILL, FrameRange
 from ...core.plan import Plan, make_plan
@@ -31,6 +32,7 @@ from ..shade.twin_order import TwinOrder
 from ..store import levels
 from . import environment, faces
 from .capture import Stage
+from .completing import capture_of, completed
 from .faces import Capture
 from .sequence import Sequences
 
@@ -48,6 +50,7 @@ class BakedProbe:
         warnings: what the user should know of it, in words.
         frames: of a sequence, in words; empty for a still.
         pictures, rendered: how many different ones the frames show, and how many of these are new.
+        faces: those that are new, by name; of a sequence, of each new picture.
     """
 
     probe: str
@@ -59,18 +62,30 @@ class BakedProbe:
     frames: str = ""
     pictures: int = 1
     rendered: int = 1
+    faces: tuple[str, ...] = FACE_NAMES
 
     def __str__(self) -> str:
         frames = f" at frames {self.frames}: {self.rendered} of {self.pictures} pictures" if self.frames else ""
-        return f"'{self.probe}'{frames} in {self.seconds:.1f} s"
+        faces = f", {len(self.faces)} of 6 faces," if self.faces != FACE_NAMES else ""
+        return f"'{self.probe}'{frames}{faces} in {self.seconds:.1f} s"
 
 
 @dataclass
 class _Task:
-    """One probe to bake: its object, its capture, the hash of what it depends on, what the plan says of it."""
+    """One probe to bake.
+
+    Attributes:
+        probe: its object.
+        capture: of it.
+        completes: the record of the bake that the capture completes; None: it is a new one.
+        content_hash: of what it depends on.
+        plan: what the plan says of it.
+        failed: whether it has no new bake.
+    """
 
     probe: bpy.types.Object
     capture: Capture
+    completes: Sidecar | None
     content_hash: str
     plan: ProbePlan
     failed: bool = False
@@ -115,7 +130,7 @@ class BakeJob:
             probes: those to bake.
             folder: where pictures go; None packs them.
             frames: those that each probe has a picture for; `STILL` for one of the current frame; None: as last baked.
-            reuse: whether pictures of sequences that are there already are kept where nothing has changed.
+            reuse: whether pictures of sequences, and faces, that are there already are kept where nothing has changed.
         """
         self.progress = 0.0
         self.message = "Preparing"
@@ -168,11 +183,7 @@ class BakeJob:
         plan = make_plan(read_scene(self._scene, self._view_layer))
         asked = {spec.name: self._asked(probe) for probe, spec in ready}
         fingerprint = SceneFingerprint(self._scene, self._view_layer)
-        tasks = [
-            _Task(probe, Capture(spec), fingerprint.content_hash(spec), plan.probe(spec.name))
-            for probe, spec in ready
-            if not asked[spec.name]
-        ]
+        tasks = [self._task(probe, spec, plan, fingerprint) for probe, spec in ready if not asked[spec.name]]
         moving = [(probe, asked[spec.name], plan.probe(spec.name)) for probe, spec in ready if asked[spec.name]]
         yield
         # Once all is as it was: what a bake changes in its probes' groups may call for other twins.
@@ -185,15 +196,25 @@ class BakeJob:
             yield from self._told(sequences.read(moving), 0.0, 0.1)
             self._tell(sequences)
         stage = Stage(
-            self._stack, self._scene, self._view_layer, [task.capture.spec for task in tasks], sequences.at_once
+            self._stack,
+            self._scene,
+            self._view_layer,
+            [task.capture.spec for task in tasks],
+            sequences.at_once,
+            {task.name: task.capture.names for task in tasks},
         )
         _show_diffuse_only(self._stack, plan)
-        total = sum(faces.steps(task.capture.spec, task.roughnesses) for task in tasks)
+        total = sum(faces.steps(task.capture, task.roughnesses) for task in tasks)
         share = (0.1 if moving else 0.0, 0.1 + 0.9 * total / max(total + sequences.steps, 1) if moving else 1.0)
         yield from self._told(self._bake_stills(stage, tasks, total), *share)
         if moving:
             yield from self._told(sequences.bake(stage, self._show), share[1], 1.0)
             self._tell(sequences)
+
+    def _task(self, probe: bpy.types.Object, spec: ProbeSpec, plan: Plan, fingerprint: SceneFingerprint) -> _Task:
+        probe_plan, content_hash = plan.probe(spec.name), fingerprint.content_hash(spec)
+        capture, completes = capture_of(probe, spec, probe_plan, content_hash, self._reuse)
+        return _Task(probe, capture, completes, content_hash, probe_plan)
 
     def _asked(self, probe: bpy.types.Object) -> tuple[int, ...]:
         """The frames that a probe is to have pictures for; none for a still of the current one."""
@@ -291,11 +312,14 @@ class BakeJob:
             blender=bpy.app.version_string,
             addon=ADDON_VERSION,
             replaced_pixels=tuple(capture.replaced),
+            faces=capture.names,
         )
+        record = completed(record, task.completes)
         levels.store(probe, record, pictures, self._folder, self._holders)
         self._show(probe, task.plan)
         files = self._files(probe)
-        self.results.append(BakedProbe(spec.name, None, seconds, files, tuple(capture.replaced), tuple(warnings)))
+        replaced, captured = tuple(capture.replaced), capture.names
+        self.results.append(BakedProbe(spec.name, None, seconds, files, replaced, tuple(warnings), faces=captured))
         capture.forget()
 
     def _show(self, probe: bpy.types.Object, plan: ProbePlan) -> None:

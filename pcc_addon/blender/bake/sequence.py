@@ -83,7 +83,7 @@ class Film:
     @property
     def steps(self) -> int:
         """Pieces of work, but for reading."""
-        return faces.steps(self._specs[0], self.roughnesses) * self.rendered if self._specs else 0
+        return faces.steps(Capture(self._specs[0]), self.roughnesses) * self.rendered if self._specs else 0
 
     def look(self, view_layer: bpy.types.ViewLayer, scene: bpy.types.Scene, fingerprint: SceneFingerprint) -> None:
         """Note what the probe sees at the frame where the scene is.

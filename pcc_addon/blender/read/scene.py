@@ -11,8 +11,9 @@ import numpy as np
 from ...core.effects.kinds import may_transmit
 from ...core.errors import PccError
 from ...core.probe import Source
-from ...core.readings import CameraReading, PlacementReading, ProbeReading, SceneReading, WallReading
+from ...core.readings import CameraReading, FacetReading, PlacementReading, ProbeReading, SceneReading, WallReading
 from .. import marks
+from .facets import FacetReader, is_sharp
 from .materials import read_material
 from .probes import all_probes, bake_record, check_place, is_animated, is_moving, probe_spec
 from .shown import OtherReaders, other_readers
@@ -30,15 +31,18 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
         materials.update({material.name_full: material for material in shown})
     read = tuple(read_material(materials[name]) for name in sorted(materials))
     readers = other_readers()
+    sharp = {materials[m.name] for m in read if any(is_sharp(surface) for surface in m.surfaces)}
+    probes = all_probes(scene)
     clear = {materials[m.name] for m in read if any(may_transmit(surface) for surface in m.surfaces)}
     return SceneReading(
         name=scene.name,
-        probes=tuple(read_probe(probe, view_layer, readers) for probe in all_probes(scene)),
+        probes=tuple(read_probe(probe, view_layer, readers) for probe in probes),
         materials=read,
         placements=tuple(placements),
         roughness_limit=scene.pcc.roughness_limit,
         cameras=_cameras(scene),
         walls=tuple(_walls(view_layer, clear)) if clear else (),
+        facets=tuple(_facets(scene, view_layer, sharp)) if sharp and probes else (),
         animated=frozenset(o.name_full for o in scene.objects if is_moving(o)),
     )
 
@@ -53,17 +57,18 @@ def _cameras(scene: bpy.types.Scene) -> tuple[CameraReading, ...]:
 
 def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers: OtherReaders) -> ProbeReading:
     """One probe; whatever is wrong with it becomes its fault."""
-    spec, captured_at, fault, source = None, None, "", Source.BAKE
+    spec, captured_at, fault, source, over_frames = None, None, "", Source.BAKE, False
     try:
         check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
         if record:
             captured_at, source = record.capture_point_apart_from(spec.box.centre), record.source
+            over_frames = bool(record.moments)
     except PccError as error:
         fault = str(error)
     by_hand, in_windows = readers.read_by_hand(probe), readers.read_by_windows(probe)
-    return ProbeReading(probe.name, spec, fault, captured_at, source, by_hand, in_windows)
+    return ProbeReading(probe.name, spec, fault, captured_at, source, by_hand, in_windows, over_frames)
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
@@ -109,11 +114,29 @@ def _walls(view_layer: bpy.types.ViewLayer, clear: set[bpy.types.Material]) -> I
                 yield wall
 
 
+def _facets(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, sharp: set[bpy.types.Material]
+) -> Iterator[FacetReading]:
+    """What sharp materials cover of each object that is flat."""
+    reader = FacetReader(scene, sharp)
+    for instance in _shown_instances(view_layer):
+        worn = sharp.intersection(_materials(instance.object))
+        if worn:
+            matrix = np.array(instance.matrix_world, np.float64)
+            reader.add(instance.object, matrix, worn, steady=not instance.is_instance)
+    return reader.readings()
+
+
 def _shown(view_layer: bpy.types.ViewLayer) -> Iterator[tuple[bpy.types.Object, np.ndarray]]:
     """The evaluated object and the (4, 4) float64 matrix of everything with a surface that a render shows."""
+    for instance in _shown_instances(view_layer):
+        yield instance.object, np.array(instance.matrix_world, np.float64)
+
+
+def _shown_instances(view_layer: bpy.types.ViewLayer) -> Iterator[bpy.types.DepsgraphObjectInstance]:
     for instance in _depsgraph(view_layer).object_instances:
         if instance.object.type in _SURFACES and not instance.object.hide_render:
-            yield instance.object, np.array(instance.matrix_world, np.float64)
+            yield instance
 
 
 def _is_fixed(item: bpy.types.Object, shown: tuple[str, ...]) -> bool:

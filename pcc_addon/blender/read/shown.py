@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
 from dataclasses import dataclass
 
 import bpy
@@ -16,18 +16,17 @@ class OtherReaders:
 
     Attributes:
         by_hand: names of probes whose groups for shaders made by hand are in use.
-        in_windows: session uids of the pictures that windows show.
+        in_windows: the uids of probes whose rooms windows show.
     """
 
     by_hand: frozenset[str]
-    in_windows: frozenset[int]
+    in_windows: frozenset[str]
 
     def read_by_hand(self, probe: bpy.types.Object) -> bool:
         return probe.name in self.by_hand
 
     def read_by_windows(self, probe: bpy.types.Object) -> bool:
-        images = (level.image for level in probe.pcc_probe.levels)
-        return any(image.session_uid in self.in_windows for image in images if image)
+        return probe.pcc_probe.uid in self.in_windows
 
 
 def other_readers() -> OtherReaders:
@@ -39,7 +38,7 @@ def other_readers() -> OtherReaders:
             followed = driven_object(tree)
             by_hand |= {followed.name} if followed else set()
         elif role == marks.WINDOW:
-            windows.update(_pictures(tree))
+            windows.update(room["uid"] for room in json.loads(marks.noted(tree, marks.ROOMS)) if room["uid"])
     return OtherReaders(frozenset(by_hand), frozenset(windows))
 
 
@@ -47,10 +46,3 @@ def driven_object(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
     """The object that the drivers of a group follow, or None where there is none or it was deleted."""
     curves = tree.animation_data.drivers if tree.animation_data else ()
     return next((variable.targets[0].id for curve in curves for variable in curve.driver.variables), None)
-
-
-def _pictures(tree: bpy.types.ShaderNodeTree) -> Iterator[int]:
-    for node in tree.nodes:
-        image = getattr(node, "image", None)
-        if image is not None:
-            yield image.session_uid

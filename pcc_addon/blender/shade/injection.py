@@ -9,12 +9,13 @@ import bpy
 
 from ...core.belonging import beside, layered
 from ...core.errors import PccError
+from ...core.faces_needed import told_missing
 from ...core.material_plan import MaterialPlan
 from ...core.plan import Plan, make_plan
 from ...core.probe import ProbeSpec
 from ...core.readings import SceneReading
 from .. import marks
-from ..read.probes import all_probes
+from ..read.probes import all_probes, bake_record
 from ..read.scene import read_scene
 from ..store.levels import bake_folder, ensure_levels
 from . import by_hand, copies, groups, live
@@ -156,9 +157,12 @@ def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, not
             ensure_levels(probe, probe_plan.roughnesses, folder)
             refresh_group(probe, probe_plan.receivers, probe_plan.shares)
             by_hand.refresh(probe)
+            lacking = bake_record(probe).lacks(probe_plan.shown_faces)
         except PccError as error:
             notes.append(str(error))
             continue
+        if lacking:
+            notes.append(told_missing(probe.name, lacking))
         shown[probe.name] = shown_probe(probe.pcc_probe.group)
     return shown
 

@@ -22,7 +22,7 @@ from .groups import formula_group
 from .node_builder import Surroundings, declare_sockets, emit
 
 MOST_ROOMS = 8  # EEVEE reads thirty pictures in a material, and panes may show a probe as well
-_ROOMS, _RECORD = "rooms", "record"  # notes on a group: where its rooms come from, what it computes
+_RECORD = "record"  # note on a group: what it computes
 _COLOURS = frozenset({"Radiance", "Tint A", "Tint B"})
 
 
@@ -188,7 +188,7 @@ def follow_bake(probe: bpy.types.Object) -> None:
     for tree in bpy.data.node_groups:
         if record is None or marks.role(tree) != marks.WINDOW or tree.library:
             continue
-        rooms = json.loads(marks.noted(tree, _ROOMS))
+        rooms = json.loads(marks.noted(tree, marks.ROOMS))
         if any(room["uid"] == record.uid for room in rooms):
             window = _window_of(tree)
             fresh = [_room(probe, record, shown.side) if shown.uid == record.uid else shown for shown in window.rooms]
@@ -200,7 +200,9 @@ def _window_of(tree: bpy.types.ShaderNodeTree) -> Window:
     record = json.loads(marks.noted(tree, _RECORD))
     images = {node.name: node.image for node in tree.nodes if hasattr(node, "image")}
     rooms = []
-    for k, (picture, origin) in enumerate(zip(record["rooms"], json.loads(marks.noted(tree, _ROOMS)), strict=True)):
+    for k, (picture, origin) in enumerate(
+        zip(record["rooms"], json.loads(marks.noted(tree, marks.ROOMS)), strict=True)
+    ):
         x, y, z = (tuple(edge) for edge in picture["half_edges"])
         shown = RoomPicture((x, y, z), tuple(picture["capture"]), picture["rows"])
         rooms.append(RoomImage(shown, images[f"Room {k}"], origin["uid"], Side(origin["side"])))
@@ -221,7 +223,7 @@ def _build(tree: bpy.types.ShaderNodeTree, window: Window) -> None:
             playback.play(tree, baked, shown)
     plain = asdict(record)
     marks.note(tree, _RECORD, json.dumps({**plain, "cells": record.cells.value}))
-    marks.note(tree, _ROOMS, json.dumps([{"uid": room.uid, "side": room.side.value} for room in window.rooms]))
+    marks.note(tree, marks.ROOMS, json.dumps([{"uid": room.uid, "side": room.side.value} for room in window.rooms]))
 
 
 def _kind(socket: Socket) -> str:
