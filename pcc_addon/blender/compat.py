@@ -115,3 +115,8 @@ def curves_of(item: bpy.types.ID) -> list[bpy.types.FCurve]:
             bag = strip.channelbag(data.action_slot)
             found += bag.fcurves if bag else ()
     return found
+
+
+def lamp_uses_nodes(lamp: bpy.types.Light) -> bool:
+    """Whether a lamp is made of nodes (from 5.2 on every one that has some is)."""
+    return lamp.node_tree is not None and (bpy.app.version >= (5, 2) or lamp.use_nodes)

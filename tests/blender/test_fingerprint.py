@@ -35,7 +35,9 @@ def item(scene) -> bpy.types.Object:
     mix = inner.nodes.new("ShaderNodeBrightContrast")
     inner.links.new(rgb.outputs[0], mix.inputs["Color"])
     inner.links.new(mix.outputs[0], sink.inputs[0])
-    new(material, "ShaderNodeValToRGB"), new(material, "ShaderNodeRGBCurve")
+    ramp, curves = new(material, "ShaderNodeValToRGB"), new(material, "ShaderNodeRGBCurve")
+    link(material, ramp.outputs["Color"], curves.inputs["Color"])
+    link(material, curves.outputs["Color"], principled_node(material).inputs["Emission Color"])
     group, texture = new(material, "ShaderNodeGroup"), image_texture(material)
     group.node_tree = inner
     link(material, group.outputs[0], principled_node(material).inputs["Base Color"])
@@ -121,7 +123,7 @@ CHANGES: dict[str, Callable[[], None]] = {
     ),
     "a node muted": lambda: setattr(tree().nodes["Image Texture"], "mute", True),
     "a node's setting": lambda: setattr(tree().nodes["Image Texture"], "interpolation", "Closest"),
-    "a node's picture": lambda: setattr(tree().nodes["Image Texture"], "image", bpy.data.images.new("Other", 4, 4)),
+    "a node's picture": lambda: setattr(tree().nodes["Image Texture"], "image", bpy.data.images.new("Other", 8, 4)),
     "a colour": lambda: setattr(
         principled_node(bpy.data.materials["Shiny"]).inputs["Specular Tint"], "default_value", (1.0, 0.5, 1.0, 1.0)
     ),

@@ -14,8 +14,8 @@ from ...core.errors import ProbeError
 from ...core.plan import plan_surfaces
 from ...core.probe import Receivers
 from .. import marks
-from ..read.fingerprint import node_lines
 from ..read.materials import read_material
+from ..read.node_lines import node_lines
 from ..read.probes import probe_spec
 from . import by_hand, copies, probe_group
 from .animation import repeat_animation
