@@ -141,6 +141,18 @@ def _(folder: Path) -> Steps:
     made.image_user.frame_offset = 1
 
 
+@fresh("image", "the frame, where a film stands at its last picture")
+def _(folder: Path) -> Steps:
+    picture(folder, "frame0001"), picture(folder, "frame0002", 0.1)
+    made = node("ShaderNodeTexImage")
+    made.image = bpy.data.images.load(str(folder / "frame0001.png"))
+    made.image.source = "SEQUENCE"
+    made.image_user.frame_duration = 2
+    scene().frame_set(10)
+    yield
+    scene().frame_set(20)
+
+
 @stale("image", "the frame, where a film is shown")
 def _(folder: Path) -> Steps:
     picture(folder, "frame0001")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import bpy
+
 from pcc_addon.core.probe import Engine
 from tests.blender.stale.rows import Steps, fresh, settings_rows, stale
 from tests.blender.stale.things import (
@@ -147,6 +149,22 @@ def _(folder: Path) -> Steps:
     next(n for n in tree().nodes if n.bl_idname == "ShaderNodeOutputMaterial").is_active_output = True
     yield
     other.is_active_output = True
+
+
+@stale("material", "a text that a shader reads")
+def _(folder: Path) -> Steps:
+    made, text = node("ShaderNodeTexIES", 0, "Roughness"), bpy.data.texts.new("Lamp")
+    made.ies = text
+    yield
+    text.write("IESNA:LM-63-2002")
+
+
+@stale("material", "a file that a shader reads")
+def _(folder: Path) -> Steps:
+    made = node("ShaderNodeTexIES", 0, "Roughness")
+    made.mode, made.filepath = "EXTERNAL", str(folder / "lamp.ies")
+    yield
+    (folder / "lamp.ies").write_text("IESNA:LM-63-2002")
 
 
 @stale("material", "displacement")

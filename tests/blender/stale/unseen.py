@@ -63,6 +63,13 @@ def _(folder: Path) -> Steps:
     scene().cursor.location = (1.0, 2.0, 3.0)
 
 
+@fresh("editors", "a workspace's name")
+def _(folder: Path) -> Steps:
+    yield
+    for workspace in bpy.data.workspaces:
+        workspace.name = f"Renamed {workspace.name}"
+
+
 @fresh("editors", "an annotation")
 def _(folder: Path) -> Steps:
     yield

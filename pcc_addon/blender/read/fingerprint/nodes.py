@@ -14,7 +14,7 @@ from ... import marks
 from ..nodes import group_output
 from .digests import COLOR, EVALUATED, FRAME, INDEX, MATERIAL_INDEX, NOTHING, RANDOM, Found, Read, digest, plain
 from .pictures import PLAYED, image
-from .properties import Refer, settings
+from .properties import Refer, named, settings
 
 _BOOKKEEPING = frozenset(p.identifier for p in bpy.types.Node.bl_rna.properties) | {"image_user", "node_tree"}
 # Node types whose output has a value that is set on the socket itself.
@@ -49,8 +49,9 @@ class Trees:
 
     def __init__(self, refer: Refer, frame: int) -> None:
         """Refer: what stands for data blocks that nodes name; frame: of the scene, for sequences of images."""
-        self._refer, self.frame = refer, frame
+        self._refer, self._frame = refer, frame
         self._known: dict[int, _Tree] = {}
+        self._images: dict[int, bytes] = {}
 
     def reaching(self, output: bpy.types.Node) -> Found:
         """What reaches the inputs of an output node."""
@@ -66,6 +67,15 @@ class Trees:
         output = group_output(tree)
         sockets = [socket for socket in output.inputs if socket.identifier == identifier] if output else []
         return self._of(tree).fed(sockets[0]) if sockets else NOTHING
+
+    def image(self, picture: bpy.types.Image, user: bpy.types.ImageUser | None = None) -> bytes:
+        """`pictures.image`, of still ones once."""
+        if picture.source in PLAYED:
+            return image(picture, user, self._frame)
+        key = picture.as_pointer()
+        if key not in self._images:
+            self._images[key] = image(picture)
+        return self._images[key]
 
     def refer(self, item: bpy.types.ID, reads: set[Read]) -> bytes:
         return self._refer(item, reads)
@@ -134,8 +144,12 @@ class _Tree:
         inputs: frozenset[str] = frozenset()
         for each in (node, *self._begins.get(node.as_pointer(), ())):
             for socket in each.inputs:
+                parts.append(socket.identifier)
+                if socket.as_pointer() not in self._feeding:
+                    parts.append(_value(socket, self._trees, reads))
+                    continue
                 found = self._input(socket)
-                parts.append(digest(socket.identifier, found.digest))
+                parts += ["fed", found.digest]
                 reads |= found.reads
                 inputs |= found.inputs
         return Found(digest(*parts), frozenset(reads), inputs)
@@ -151,9 +165,9 @@ class _Tree:
         if isinstance(picture, bpy.types.Image):
             without |= {"image"}
             user = getattr(node, "image_user", None)
-            parts.append(image(picture, user, self._trees.frame))
-            if picture.source in PLAYED:
-                parts.append(settings(user, self._trees.refer, reads, frozenset({"frame_current", "tile"})))
+            parts.append(self._trees.image(picture, user))
+            if isinstance(user, bpy.types.ImageUser):
+                parts.append(named(user, ("multilayer_layer", "multilayer_pass", "multilayer_view")))
         if kind in _VALUES:
             parts += [_value(socket, self._trees, reads) for socket in node.outputs]
         parts.append(settings(node, self._trees.refer, reads, without))
@@ -231,6 +245,3 @@ def _reads_of(node: bpy.types.Node) -> Iterable[Read]:
         yield ("attribute", "GEOMETRY", getattr(node, _NAMES[kind]))
     if kind in _FOLLOWING:
         yield _FOLLOWING[kind]
-    picture = getattr(node, "image", None)
-    if isinstance(picture, bpy.types.Image) and picture.source in PLAYED:
-        yield FRAME

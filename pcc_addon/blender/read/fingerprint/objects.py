@@ -14,7 +14,7 @@ from .geometry import Geometry
 from .materials import Materials
 from .modifiers import Modifiers
 from .nodes import Trees
-from .pictures import file, held, image
+from .pictures import file, held
 from .properties import ID_BOOKKEEPING, named, settings
 
 _RAYS = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter", "visible_shadow")
@@ -225,7 +225,7 @@ class Objects:
             reads |= found.reads
             return found.digest
         if isinstance(item, bpy.types.Image):
-            return image(item)
+            return self._trees.image(item)
         if isinstance(item, bpy.types.Collection):
             return unordered(self._reference(each, reads) for each in _of_collection(item) if not each.hide_render)
         if isinstance(item, bpy.types.NodeTree):

@@ -70,13 +70,15 @@ def _pixels(picture: bpy.types.Image, user: bpy.types.ImageUser | None, frame: i
         return digest(*(digest(plain(tile.number), _tile(picture, tile.number)) for tile in _tiles(picture)))
     if picture.packed_file is not None:
         return held(picture.packed_file)
-    if picture.source == "SEQUENCE" and user is not None:
-        return file(_numbered(picture.filepath, _shown_number(user, frame)), picture.library)
+    if picture.source in PLAYED and user is not None:
+        number = _shown_number(user, frame)
+        path = _numbered(picture.filepath, number) if picture.source == "SEQUENCE" else picture.filepath
+        return digest(plain(number), file(path, picture.library))
     return file(picture.filepath, picture.library)
 
 
 def _shown_number(user: bpy.types.ImageUser, frame: int) -> int:
-    """Which picture of a sequence is shown, as renderers count: from the first frame on, again and again if cyclic."""
+    """Which picture of a film is shown, as renderers count: from its first frame on, again and again if cyclic."""
     number, length = frame - user.frame_start + 1, max(user.frame_duration, 1)
     number = (number - 1) % length + 1 if user.use_cyclic else min(max(number, 0), length)
     return number + user.frame_offset
