@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 
 from pcc_addon.core.probe import Engine
-from tests.blender.stale.rows import Steps, stale
+from tests.blender.stale.rows import Steps, fresh, stale
 from tests.blender.stale.things import (
     geometry_nodes,
     keyed,
@@ -218,5 +218,29 @@ def _(folder: Path) -> Steps:
     _, made, move = geometry_nodes(the())
     time = made.nodes.new("GeometryNodeInputSceneTime")
     made.links.new(time.outputs["Frame"], move.inputs["Offset"])
+    yield
+    scene().frame_set(scene().frame_current + 5)
+
+
+@stale("geometry nodes", "the frame, where an attribute follows it")
+def _(folder: Path) -> Steps:
+    _, made, move = geometry_nodes(the())
+    time, store = made.nodes.new("GeometryNodeInputSceneTime"), made.nodes.new("GeometryNodeStoreNamedAttribute")
+    store.inputs["Name"].default_value = "wet"
+    sink = next(n for n in made.nodes if n.bl_idname == "NodeGroupOutput")
+    made.links.new(move.outputs[0], store.inputs["Geometry"])
+    made.links.new(time.outputs["Frame"], store.inputs["Value"])
+    made.links.new(store.outputs[0], sink.inputs[0])
+    yield
+    scene().frame_set(scene().frame_current + 5)
+
+
+@fresh("geometry nodes", "the frame, where they read it and make the same of it")
+def _(folder: Path) -> Steps:
+    _, made, move = geometry_nodes(the())
+    time, least = made.nodes.new("GeometryNodeInputSceneTime"), made.nodes.new("ShaderNodeMath")
+    least.operation = "MINIMUM"
+    made.links.new(time.outputs["Frame"], least.inputs[0])
+    made.links.new(least.outputs[0], move.inputs["Offset"])
     yield
     scene().frame_set(scene().frame_current + 5)

@@ -4,7 +4,8 @@ It is made of what things are and not of what they are called or in which order 
 
 * `nodes.py`: shaders and geometry nodes, from the outputs back; `materials.py`: materials and worlds
 * `attributes.py`, `geometry.py`, `weights.py`: what objects are made of; `modifiers.py`: what changes that
-* `objects.py`: which objects there are, where and how they look, and what data blocks are for who points to them
+* `rendered.py`: which objects there are; `objects.py`: where and how they look, and what data blocks are for who points
+  to them; `evaluated.py`: what Blender makes of them where nothing else tells
 * `pictures.py`: images and files; `scene_settings.py`: what the engines are told
 * `digests.py`, `properties.py`: how all of that becomes digests
 """
@@ -22,9 +23,10 @@ from ....core.content_hash import written
 from ....core.errors import ProbeError
 from ....core.picture_files import picture_files
 from ....core.probe import Engine, ProbeSpec, Source
-from ..evaluated import Shapes
+from ... import compat
 from ..node_lines import material_lines, node_lines
 from .digests import digest, plain
+from .evaluated import Shapes
 from .objects import Objects
 from .pictures import contents
 from .scene_settings import of_scene
@@ -91,7 +93,7 @@ class _Seen:
         shapes: Shapes,
     ) -> None:
         self._objects = Objects(scene, view_layer, is_eevee, meshes, shapes)
-        world = getattr(view_layer, "world_override", None) or scene.world
+        world = compat.world_override(view_layer) or scene.world
         found = self._objects.materials.world(world)
         self.world = digest(found.digest, *self._objects.extras(found))
         self._settings = {denoise: of_scene(scene, view_layer, is_eevee, denoise) for denoise in (False, True)}

@@ -140,7 +140,7 @@ class Geometry:
     def _drawings(self, data: Any, reads: set[Read]) -> list[bytes]:
         parts = []
         for layer in data.layers:
-            frame = layer.current_frame() if hasattr(layer, "current_frame") else None
+            frame = layer.current_frame()
             if len(layer.frames) > 1:
                 reads.add(FRAME)
             without = ID_BOOKKEEPING | {"frames", "parent", "parent_group", "next_node", "prev_node", "lock_frame"}

@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 
+from ... import compat
 from .digests import EVALUATED, FRAME, Found, Read, digest, plain, unordered
 from .geometry import Geometry, bone
 from .nodes import Trees
@@ -67,16 +68,17 @@ class Modifiers:
         found = self._trees.group(tree)
         reads |= found.reads
         parts = [found.digest]
-        if modifier.bl_rna.properties.get("properties") is not None:
-            parts += self._inputs(modifier.properties.inputs, found, reads)
-            parts.append(settings(modifier.properties.outputs, self._trees.refer, reads))
+        typed = compat.typed_inputs_and_outputs(modifier)
+        if typed:
+            parts += self._inputs(typed[0], found, reads)
+            parts.append(settings(typed[1], self._trees.refer, reads))
         else:
             parts += self._custom(modifier, found, reads)
         parts += [digest(group.name, self._geometry.weights.of(item, group.name)) for group in item.vertex_groups]
         return digest(*parts)
 
     def _inputs(self, inputs: Any, found: Found, reads: set[Read]) -> list[bytes]:
-        """Of Blender 5.2 and later, where the values of a tree's inputs have types of their own."""
+        """The values of a tree's inputs where they have types of their own."""
         return [
             digest(name, settings(getattr(inputs, name), self._trees.refer, reads))
             for name in sorted(found.inputs)
@@ -84,7 +86,7 @@ class Modifiers:
         ]
 
     def _custom(self, modifier: bpy.types.Modifier, found: Found, reads: set[Read]) -> list[bytes]:
-        """Of Blender before, where they are custom properties: those of inputs, and names of attributes."""
+        """The values of a tree's inputs where they are custom properties, and the names of attributes."""
         parts = []
         for key in sorted(modifier.keys()):
             name = key.removesuffix("_use_attribute").removesuffix("_attribute_name")

@@ -7,15 +7,16 @@ from typing import Any
 
 import bpy
 
-from .. import evaluated
 from ..probes import is_animated, is_disabled
 from .digests import COLOR, EVALUATED, FRAME, INDEX, RANDOM, Found, Read, digest, plain, unordered
+from .evaluated import Shapes
 from .geometry import Geometry
 from .materials import Materials
 from .modifiers import Modifiers
 from .nodes import Trees
 from .pictures import file, held
 from .properties import ID_BOOKKEEPING, named, settings
+from .rendered import of_collection, rendered
 
 _RAYS = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter", "visible_shadow")
 _FLAGS = (
@@ -41,7 +42,7 @@ class Objects:
         view_layer: bpy.types.ViewLayer,
         is_eevee: bool,
         meshes: dict[int, Any],
-        shapes: evaluated.Shapes,
+        shapes: Shapes,
     ) -> None:
         """What a scene shows.
 
@@ -61,7 +62,7 @@ class Objects:
         self._shaped: dict[int, tuple[bytes, frozenset[Read]]] = {}
         self._begun: set[int] = set()  # what is being read: whatever points back to it stops there
         self._met = 0  # how often something did
-        self._shown = tuple(_rendered(scene, view_layer))
+        self._shown = tuple(rendered(scene, view_layer))
 
     def seen(self, hidden: Set[str]) -> bytes:
         """A digest of all that a capture shows which leaves objects of these names out."""
@@ -93,7 +94,7 @@ class Objects:
 
     def _instances(self, item: bpy.types.Object, hidden: Set[str]) -> Found:
         collection = item.instance_collection
-        found = list(self._all(_of_collection(collection), hidden))
+        found = list(self._all(of_collection(collection), hidden))
         reads = frozenset().union(*(each.reads for each in found))
         parts = [
             "instances",
@@ -108,9 +109,9 @@ class Objects:
     def _object(self, item: bpy.types.Object) -> Found:
         key = item.as_pointer()
         if key not in self._known:
-            self._begun = {key}
+            begun, self._begun = self._begun, {key}
             self._known[key] = self._read(item)
-            self._begun = set()
+            self._begun = begun
         return self._known[key]
 
     def _read(self, item: bpy.types.Object) -> Found:
@@ -227,7 +228,7 @@ class Objects:
         if isinstance(item, bpy.types.Image):
             return self._trees.image(item)
         if isinstance(item, bpy.types.Collection):
-            return unordered(self._reference(each, reads) for each in _of_collection(item) if not each.hide_render)
+            return unordered(self._reference(each, reads) for each in of_collection(item) if not each.hide_render)
         if isinstance(item, bpy.types.NodeTree):
             found = self._trees.group(item)
             reads |= found.reads
@@ -260,39 +261,6 @@ class Objects:
         whole, more = found
         reads |= {read for read in more if read[0] != "attribute"}
         return whole
-
-
-def _rendered(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
-    """The objects of a view layer's collections that renders show, each once, and those of the scenes behind it."""
-    seen: set[int] = set()
-    scenes = {scene.as_pointer()}
-    layers = [view_layer.layer_collection]
-    while layers:
-        layer = layers.pop()
-        hidden = layer.collection.hide_render
-        if not hidden:
-            layers += layer.children
-        for item in () if hidden or layer.exclude else layer.collection.objects:
-            if item.as_pointer() not in seen:
-                seen.add(item.as_pointer())
-                yield item
-        behind = scene.background_set
-        if not layers and behind is not None and behind.as_pointer() not in scenes:
-            scenes.add(behind.as_pointer())
-            scene = behind
-            layers.append(behind.view_layers[0].layer_collection)
-
-
-def _of_collection(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """The objects of a collection and of those in it, each once, without what renders leave out."""
-    found: dict[int, bpy.types.Object] = {}
-    waiting = [collection]
-    while waiting:
-        each = waiting.pop()
-        if not each.hide_render:
-            found.update({item.as_pointer(): item for item in each.objects})
-            waiting += each.children
-    return list(found.values())
 
 
 def _is_left_behind(item: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> bool:

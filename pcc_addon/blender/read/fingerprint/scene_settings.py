@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ... import compat
 from .digests import digest, plain
 from .properties import named, settings
 
@@ -46,8 +47,7 @@ _NOT_EEVEE = frozenset(
 def of_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, is_eevee: bool, is_denoised: bool) -> bytes:
     """A digest of the settings that an engine obeys."""
     render = scene.render
-    space = getattr(bpy.data, "colorspace", None)  # from 5.0 on a file may work in another colour space
-    parts = [named(view_layer, _LAYER), plain(space.working_space if space else None), plain(render.use_simplify)]
+    parts = [named(view_layer, _LAYER), plain(compat.working_space()), plain(render.use_simplify)]
     if render.use_simplify:
         parts.append(named(render, _SIMPLIFY))
     if is_eevee:

@@ -7,6 +7,9 @@ import hashlib
 import bpy
 import numpy as np
 
+from . import attributes
+from .digests import unordered
+
 _WITH_SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
@@ -18,7 +21,7 @@ class Shapes:
         self._found: dict[str, bytes] | None = None
 
     def of(self, item: bpy.types.Object) -> bytes | None:
-        """A digest of the vertices, faces and instances of an object; None where viewports leave it out."""
+        """A digest of the mesh and the instances of an object; None where viewports leave it out."""
         if item.name_full not in self._instances():
             return None
         shape = _shape(item.evaluated_get(self._view_layer.depsgraph)) if item.type in _WITH_SHAPES else b""
@@ -40,12 +43,11 @@ class Shapes:
 
 
 def _shape(item: bpy.types.Object) -> bytes:
-    """Where the vertices of an evaluated object are, in its own axes, and how many faces join them."""
+    """The attributes of an evaluated object's mesh, places of vertices and faces among them."""
     mesh = item.to_mesh()
     if mesh is None:
         return b""
-    places = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.vertices.foreach_get("co", places)
-    counts = f"{len(mesh.edges)} {len(mesh.polygons)}".encode()
-    item.to_mesh_clear()
-    return hashlib.blake2b(counts + places.tobytes(), digest_size=20).digest()
+    try:
+        return unordered(layer.name.encode() + layer.digest for layer in attributes.of_mesh(mesh))
+    finally:
+        item.to_mesh_clear()
