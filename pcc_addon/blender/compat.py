@@ -115,3 +115,25 @@ def curves_of(item: bpy.types.ID) -> list[bpy.types.FCurve]:
             bag = strip.channelbag(data.action_slot)
             found += bag.fcurves if bag else ()
     return found
+
+
+def lamp_uses_nodes(lamp: bpy.types.Light) -> bool:
+    """Whether a lamp is made of nodes (from 5.2 on every one that has some is)."""
+    return lamp.node_tree is not None and (bpy.app.version >= (5, 2) or lamp.use_nodes)
+
+
+def typed_inputs_and_outputs(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.bpy_struct, ...]:
+    """The inputs and outputs of geometry nodes that a modifier sets; none before 5.2, whose are custom properties."""
+    if "properties" not in modifier.bl_rna.properties:
+        return ()
+    return modifier.properties.inputs, modifier.properties.outputs
+
+
+def world_override(view_layer: bpy.types.ViewLayer) -> bpy.types.World | None:
+    """The world that a view layer has instead of the scene's; Blender 4.5 knows none."""
+    return getattr(view_layer, "world_override", None)
+
+
+def working_space() -> str:
+    """The colour space that a file's light is computed in; before 5.0 there is one."""
+    return bpy.data.colorspace.working_space if hasattr(bpy.data, "colorspace") else "Linear Rec.709"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import bpy
 
+from ..core.content_hash import VERSION, version_of
 from ..core.errors import PccError
 from ..core.faces_needed import said
 from ..core.frames import STILL, FrameRange, spans
@@ -117,7 +118,9 @@ def _status(
     if record.moments:
         return _status_of_sequence(spec, record, seen)
     if record.content_hash != now:
-        return ProbeStatus(probe.name, "stale", f"{_CHANGED[spec.source]} or the probe changed since its bake")
+        why = _of_another_version([record.content_hash])
+        why = why or f"{_CHANGED[spec.source]} or the probe changed since its bake"
+        return ProbeStatus(probe.name, "stale", why)
     lacking = record.lacks(needed)
     if lacking:
         why = f"its {said(lacking)} not captured and needed now; bake it again, which then renders nothing else"
@@ -130,11 +133,20 @@ def _status_of_sequence(spec: ProbeSpec, record: Sidecar, seen: Mapping[int, str
     changed = changed_frames(record.moments, [seen[frame] for frame in record.frames])
     if not changed:
         return ProbeStatus(spec.name, "baked", "", frames)
-    why = (
+    why = _of_another_version([moment.content_hash for moment in record.moments]) or (
         f"{_CHANGED[spec.source]} or the probe changed since its bake at {len(changed)} of its {len(record.moments)} "
         f"frames: {spans(changed)}"
     )
     return ProbeStatus(spec.name, "stale", why, frames, changed)
+
+
+def _of_another_version(hashes: Sequence[str]) -> str:
+    """A sentence where hashes of a bake cannot be compared with those of today; empty where they can."""
+    versions = {version_of(content_hash) for content_hash in hashes if content_hash}
+    if not versions or versions == {VERSION}:
+        return ""
+    which = "an earlier" if min(versions) < VERSION else "a later"
+    return f"it was baked by {which} version of the add-on, which looked at other things; bake it again"
 
 
 _CHANGED = {Source.BAKE: "the scene", Source.IMAGE: "its image", Source.WORLD: "the world"}

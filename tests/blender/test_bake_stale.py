@@ -61,9 +61,17 @@ def brighten_world() -> None:
     next(n for n in nodes if n.bl_idname == "ShaderNodeBackground").inputs["Strength"].default_value = 1.0
 
 
+def paint_picture() -> None:
+    bpy.data.images["Picture"].pixels[0] = 0.75
+
+
+def cull_backfaces_for_eevee() -> None:
+    bpy.data.materials["Glow +X"].use_backface_culling = not bpy.data.materials["Glow +X"].use_backface_culling
+
+
 CHANGES = [
-    move_wall, brighten_lamp, paint_wall, move_vertex, move_probe, change_resolution, change_offset, delete_file,
-    hide_wall, hide_from_capture, new_object, brighten_world,
+    paint_picture, move_wall, brighten_lamp, paint_wall, move_vertex, move_probe, change_resolution, change_offset,
+    delete_file, hide_wall, hide_from_capture, new_object, brighten_world,
 ]  # fmt: skip
 
 
@@ -115,9 +123,15 @@ def add_output_for_each_engine() -> None:
     inject()
 
 
+def rename_all() -> None:
+    for kind in ("objects", "meshes", "materials", "images", "lights", "worlds", "scenes", "collections"):
+        for item in getattr(bpy.data, kind):
+            item.name = f"Other {item.name}"
+
+
 NOT_CHANGES = [
-    widen_box, change_falloff, harden, inject, inject_and_remove, select_all, move_camera, reopen,
-    add_output_for_each_engine,
+    rename_all, cull_backfaces_for_eevee, widen_box, change_falloff, harden, inject, inject_and_remove, select_all,
+    move_camera, reopen, add_output_for_each_engine,
 ]  # fmt: skip
 
 
@@ -127,6 +141,10 @@ def lit_room(folder: Path) -> None:
     lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
     lamp.location = ROOM.world(0.5, 0.5, 0.5)
     bpy.context.scene.collection.objects.link(lamp)
+    glow = bpy.data.materials["Glow -Y"]
+    picture = glow.node_tree.nodes.new("ShaderNodeTexImage")
+    picture.image = bpy.data.images.new("Picture", 4, 4)
+    glow.node_tree.links.new(picture.outputs["Color"], principled_node(glow).inputs["Emission Color"])
     save(folder / "room.blend")
     run("STALE")
 

@@ -35,7 +35,9 @@ def item(scene) -> bpy.types.Object:
     mix = inner.nodes.new("ShaderNodeBrightContrast")
     inner.links.new(rgb.outputs[0], mix.inputs["Color"])
     inner.links.new(mix.outputs[0], sink.inputs[0])
-    new(material, "ShaderNodeValToRGB"), new(material, "ShaderNodeRGBCurve")
+    ramp, curves = new(material, "ShaderNodeValToRGB"), new(material, "ShaderNodeRGBCurve")
+    link(material, ramp.outputs["Color"], curves.inputs["Color"])
+    link(material, curves.outputs["Color"], principled_node(material).inputs["Emission Color"])
     group, texture = new(material, "ShaderNodeGroup"), image_texture(material)
     group.node_tree = inner
     link(material, group.outputs[0], principled_node(material).inputs["Base Color"])
@@ -121,7 +123,7 @@ CHANGES: dict[str, Callable[[], None]] = {
     ),
     "a node muted": lambda: setattr(tree().nodes["Image Texture"], "mute", True),
     "a node's setting": lambda: setattr(tree().nodes["Image Texture"], "interpolation", "Closest"),
-    "a node's picture": lambda: setattr(tree().nodes["Image Texture"], "image", bpy.data.images.new("Other", 4, 4)),
+    "a node's picture": lambda: setattr(tree().nodes["Image Texture"], "image", bpy.data.images.new("Other", 8, 4)),
     "a colour": lambda: setattr(
         principled_node(bpy.data.materials["Shiny"]).inputs["Specular Tint"], "default_value", (1.0, 0.5, 1.0, 1.0)
     ),
@@ -265,3 +267,52 @@ def test_a_group_has_its_lines_once_however_often_it_is_used(scene) -> None:
         new(material, "ShaderNodeGroup").node_tree = groups[0]
     lines = node_lines(material.node_tree)
     assert len([line for line in lines if line.startswith("node ") and "The innermost" in line]) == 1
+
+
+def passing(tree_: bpy.types.NodeTree) -> bpy.types.Node:
+    """A group's two ends, and a node between them that mixes what feeds it."""
+    for way in ("INPUT", "OUTPUT"):
+        tree_.interface.new_socket("Color", in_out=way, socket_type="NodeSocketColor")
+    source, sink = tree_.nodes.new("NodeGroupInput"), tree_.nodes.new("NodeGroupOutput")
+    mix = tree_.nodes.new("ShaderNodeMixRGB")
+    tree_.links.new(source.outputs[0], mix.inputs[1])
+    tree_.links.new(mix.outputs[0], sink.inputs[0])
+    return mix
+
+
+def test_groups_in_groups_are_read_once_and_to_the_last(scene) -> None:
+    """Each of twenty groups uses the next one twice; read at every use they would be a million."""
+    groups = [bpy.data.node_groups.new(f"Depth {k}", "ShaderNodeTree") for k in range(20)]
+    mixes = [passing(group) for group in groups]
+    for outer, inner, mix in zip(groups, groups[1:], mixes, strict=False):
+        uses = [outer.nodes.new("ShaderNodeGroup") for _ in range(2)]
+        for use in uses:
+            use.node_tree = inner
+        outer.links.new(uses[0].outputs[0], uses[1].inputs[0])
+        outer.links.new(uses[1].outputs[0], mix.inputs[2])
+    material = shiny()
+    use = new(material, "ShaderNodeGroup")
+    use.node_tree = groups[0]
+    link(material, use.outputs[0], principled_node(material).inputs["Base Color"])
+    show(material)
+    before = fingerprint()
+    mixes[-1].inputs[0].default_value = 0.25
+    assert fingerprint() != before
+
+
+def test_a_chain_of_nodes_may_be_long_and_reroutes_may_feed_themselves(scene) -> None:
+    material = shiny()
+    first = last = new(material, "ShaderNodeGamma")
+    for _ in range(400):
+        node = new(material, "ShaderNodeGamma")
+        link(material, last.outputs[0], node.inputs[0])
+        last = node
+    link(material, last.outputs[0], principled_node(material).inputs["Base Color"])
+    reroutes = [new(material, "NodeReroute") for _ in range(2)]
+    for source, target in zip(reroutes, reroutes[::-1], strict=True):
+        link(material, source.outputs[0], target.inputs[0])
+    link(material, reroutes[0].outputs[0], principled_node(material).inputs["Emission Color"])
+    show(material)
+    before = fingerprint()
+    first.inputs["Gamma"].default_value = 2.0
+    assert fingerprint() != before

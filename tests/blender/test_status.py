@@ -10,6 +10,7 @@ import pytest
 from pcc_addon.blender.read.fingerprint import SceneFingerprint
 from pcc_addon.blender.read.probes import bake_record, probe_spec
 from pcc_addon.blender.status import ProbeStatus, stale_probes, statuses
+from pcc_addon.core.sequence import Moment
 from tests.blender.helpers import pretend_bake, small_probe
 from tests.blender.materials import shiny, show
 
@@ -55,3 +56,19 @@ def test_every_probe_has_its_state_by_name(baked) -> None:
 def test_a_move_makes_a_bake_stale_at_once(baked, moved: str) -> None:
     bpy.data.objects[moved].location.x += 0.5  # Blender has not seen it yet
     assert found() == [ProbeStatus("Baked", "stale", "the scene or the probe changed since its bake")]
+
+
+@pytest.mark.parametrize(
+    ("content_hash", "which"), [("0123abcd" * 8, "an earlier"), ("1:0123abcd", "an earlier"), ("99:0123", "a later")]
+)
+def test_a_bake_of_another_version_says_why_it_is_stale(baked, content_hash: str, which: str) -> None:
+    baked.pcc_probe.bake_record = replace(bake_record(baked), content_hash=content_hash).to_json()
+    why = f"it was baked by {which} version of the add-on, which looked at other things; bake it again"
+    assert found() == [ProbeStatus("Baked", "stale", why)]
+
+
+def test_frames_of_another_version_say_why_they_are_stale(baked) -> None:
+    moments = tuple(Moment(frame, f"{frame}" * 8, 0, (0.0, 0.0, 0.0)) for frame in (1, 2))
+    baked.pcc_probe.bake_record = replace(bake_record(baked), moments=moments).to_json()
+    [status] = found()
+    assert status.stale_frames == (1, 2) and status.why.startswith("it was baked by an earlier version of the add-on")

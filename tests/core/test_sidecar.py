@@ -99,6 +99,12 @@ def test_any_record_comes_back_digit_for_digit(probe: str, numbers: tuple, level
     assert Sidecar.from_json(record.to_json(), "here") == record
 
 
+@pytest.mark.parametrize("content_hash", ["", "0123abcd" * 8, "2:0123abcd", "99:whatever comes"])
+def test_hashes_of_any_version_come_back(content_hash: str) -> None:
+    record = dataclasses.replace(RECORD, content_hash=content_hash)
+    assert Sidecar.from_json(record.to_json(), "a test") == record
+
+
 def test_the_text_explains_itself_to_other_programs() -> None:
     document = json.loads(RECORD.to_json())
     assert document["format"] == "parallax-probe"

@@ -8,6 +8,7 @@ _LOBES = ("tests/core/test_plan.py", *_REFLECTANCE)
 _TWINS = ("tests/blender/test_twin_nodes.py", "tests/blender/test_live.py")
 _GROUPS = ("tests/blender/test_probe_group.py", "tests/blender/test_drivers.py", "tests/blender/test_live.py")
 _MATERIALS = ("tests/blender/test_read_materials.py", "tests/blender/test_twin_refused.py")
+_STALE = ("tests/blender/test_fingerprint.py", "tests/blender/test_stale_rows.py", "tests/blender/test_evaluated.py")
 _SUBJECTS = "tests/conformance/test_subjects.py"
 
 SUITES: dict[str, tuple[str, ...]] = {
@@ -87,7 +88,25 @@ SUITES: dict[str, tuple[str, ...]] = {
     ),
     "blender/bake/completing.py": ("tests/blender/test_faces.py",),
     "blender/bake/lamps.py": ("tests/blender/test_lamps.py",),
-    "blender/read/fingerprint.py": ("tests/blender/test_fingerprint.py", "tests/blender/test_any_cubemap.py"),
+    **{
+        f"blender/read/fingerprint/{name}.py": _STALE
+        for name in (
+            "attributes",
+            "digests",
+            "geometry",
+            "materials",
+            "modifiers",
+            "nodes",
+            "objects",
+            "pictures",
+            "properties",
+            "scene_settings",
+            "weights",
+        )
+    },
+    "blender/read/fingerprint/__init__.py": (*_STALE, "tests/blender/test_any_cubemap.py"),
+    "blender/read/node_lines.py": ("tests/blender/test_fingerprint.py", "tests/blender/test_live.py"),
+    "core/content_hash.py": ("tests/core/test_content_hash.py",),
     "blender/read/materials.py": _MATERIALS,
     "blender/read/nodes.py": _MATERIALS,
     "blender/read/probes.py": ("tests/blender/test_read_probes.py", "tests/blender/test_probe_add.py"),

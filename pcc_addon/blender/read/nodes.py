@@ -85,6 +85,25 @@ def outputs(material: bpy.types.Material) -> list[bpy.types.ShaderNodeOutputMate
     return chosen
 
 
+def output_of(material: bpy.types.Material, engine: str) -> bpy.types.ShaderNodeOutputMaterial | None:
+    """The user's output node that one engine reads, as it was before twins stood in for it; None where there is none.
+
+    Args:
+        material: whose.
+        engine: "CYCLES" or "EEVEE".
+    """
+    own = own_outputs(material.node_tree)
+    targets = {n.name: (n.target, n.is_active_output) for n in own}
+    before = marks.noted_before(material)
+    for original in before.outputs if before else ():
+        name = original.name
+        if name not in targets and original.index < len(own):  # renamed since
+            name = own[original.index].name
+        targets[name] = original.target, original.active
+    candidates = [n for n in own if targets[n.name][0] in {engine, "ALL"}]
+    return max(candidates, key=lambda n: (targets[n.name][0] == engine, targets[n.name][1]), default=None)
+
+
 def own_outputs(tree: bpy.types.ShaderNodeTree) -> list[bpy.types.ShaderNodeOutputMaterial]:
     """The user's output nodes, whether engines read them or not."""
     return [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial" and not marks.role(n)]

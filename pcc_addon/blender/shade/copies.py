@@ -14,7 +14,7 @@ import bpy
 
 from ...core.parts import MaterialPart
 from .. import marks
-from ..read.fingerprint import material_lines, node_lines
+from ..read.node_lines import material_lines, node_lines
 from . import twin
 from .sketch import repeat_value
 

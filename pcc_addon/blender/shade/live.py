@@ -16,8 +16,8 @@ from ...core.lookup_plan import Receivers
 from ...core.pictures import LADDER
 from ...core.surface_plan import SurfacePlan, plan_surfaces
 from .. import marks
-from ..read.fingerprint import node_lines
 from ..read.materials import read_material
+from ..read.node_lines import node_lines
 from ..read.probes import probe_spec
 from ..store.levels import bake_folder, ensure_levels
 from . import by_hand, copies, probe_group
