@@ -116,6 +116,8 @@ def plan_lookup(
         else "outer sides of walls do not show it",
         "all surfaces that show it are in its box",
     )
+    if facing and not fades:
+        found[Effect.OUTER_SIDES] = Decision(Effect.OUTER_SIDES, False, "nothing fades")
     on_walls = decide(
         Effect.WALLS,
         moves or receivers.on_walls,
