@@ -89,8 +89,8 @@ def main() -> None:
             rows.append([f"{count:,}", *line])
     text = (
         f"Processor seconds that `status` takes, in one thread, in an open file of {OBJECTS} objects, each with a mesh "
-        "and a material of its own, by triangles and probes, each of which hides another object: the first time, and the least of "
-        f"{RUNS} more. Nothing but what image files hold is kept between two.\n\n"
+        "and a material of its own, by triangles and probes, each of which hides another object: the first "
+        f"time, and the least of {RUNS} more. Nothing but what image files hold is kept between two.\n\n"
         + table(["triangles", *(f"{probes} probe{'s' * (probes > 1)}" for probes in PROBES)], rows)
         + "\n\nWhat follows are the rows of `tests/blender/test_stale_rows.py`, by Cycles unless it says otherwise.\n\n"
         "## A bake is stale after\n\n"
