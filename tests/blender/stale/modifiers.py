@@ -201,6 +201,20 @@ def _(folder: Path) -> Steps:
     store.inputs["Value"].default_value = 0.5
 
 
+@stale("geometry nodes", "how often a zone is repeated")
+def _(folder: Path) -> Steps:
+    _, made, move = geometry_nodes(the())
+    begin, end = made.nodes.new("GeometryNodeRepeatInput"), made.nodes.new("GeometryNodeRepeatOutput")
+    begin.pair_with_output(end)
+    sink = next(n for n in made.nodes if n.bl_idname == "NodeGroupOutput")
+    made.links.new(move.outputs[0], end.inputs["Geometry"])
+    made.links.new(end.outputs["Geometry"], sink.inputs[0])
+    times = made.nodes.new("FunctionNodeInputInt")
+    made.links.new(times.outputs[0], begin.inputs["Iterations"])
+    yield
+    times.integer = 3
+
+
 @stale("geometry nodes", "the distance of instances")
 def _(folder: Path) -> Steps:
     _, made, move = geometry_nodes(the())

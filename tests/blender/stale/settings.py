@@ -158,7 +158,9 @@ def _(folder: Path) -> Steps:
 
 @fresh("scene", "the order of collections and objects")
 def _(folder: Path) -> Steps:
-    first, _ = collection("First", the()), collection("Second", thing("Other"))
+    other = thing("Other")
+    other.location.x = 3.0
+    first, _ = collection("First", the()), collection("Second", other)
     yield
     scene().collection.children.unlink(first)
     scene().collection.children.link(first)

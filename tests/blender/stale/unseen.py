@@ -184,6 +184,14 @@ def _(folder: Path) -> Steps:
     made.uv[0].vector = (0.3, 0.3)
 
 
+@fresh("not rendered", "sharp edges and materials of faces that were set and set back")
+def _(folder: Path) -> Steps:
+    the().data.materials.append(bpy.data.materials.new("Second"))
+    yield
+    for value in (True, False):
+        the().data.edges[0].use_edge_sharp, the().data.polygons[0].material_index = value, int(value)
+
+
 @fresh("not rendered", "a shape key of value 0")
 def _(folder: Path) -> Steps:
     key = keyed()
