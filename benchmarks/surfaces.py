@@ -129,6 +129,7 @@ def bake(offsets: Iterable[tuple[float, float, float]]) -> list[bpy.types.Object
         probe = add_room_probe(EMISSIVE_ROOM, offset)
         settings = probe.pcc_probe
         settings.resolution, settings.samples, settings.denoise = FACE, 16, False
+        settings.effects.faces = "ON"  # the floor is a mirror while they are baked, and then is not
         width = 2.0 * half / len(offsets)
         low, high = k * width - width / 4.0, (len(offsets) - k - 1) * width - width / 4.0
         settings.influence_low[0], settings.influence_high[0] = -max(low, 0.0), -max(high, 0.0)

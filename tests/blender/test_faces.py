@@ -207,7 +207,13 @@ def another_picture(probe: bpy.types.Object) -> None:
     probe.pcc_probe.levels[0].image = bpy.data.images.new("Other", 128, 64, float_buffer=True)
 
 
-@pytest.mark.parametrize("change", [another_scene, another_blender, another_addon, torn_picture, another_picture])
+def damaged_record(probe: bpy.types.Object) -> None:
+    probe.pcc_probe.bake_record = "{"
+
+
+@pytest.mark.parametrize(
+    "change", [another_scene, another_blender, another_addon, torn_picture, another_picture, damaged_record]
+)
 def test_faces_are_taken_over_only_where_they_are_what_would_be_rendered(hall, rendered, change) -> None:
     bake(hall)
     add_ball(hall)

@@ -124,6 +124,14 @@ def round_it(item: bpy.types.Object) -> None:
     item.modifiers["Round"].render_levels = 2
 
 
+def round_it_in_renders(item: bpy.types.Object) -> None:
+    item.modifiers.new("Round", "SUBSURF").levels = 0
+
+
+def bevel_in_renders(item: bpy.types.Object) -> None:
+    item.modifiers.new("Round", "BEVEL").show_viewport = False
+
+
 def many_polygons(item: bpy.types.Object) -> None:
     count = 70
     grid = [(x, y, 0) for y in range(count) for x in range(count)]
@@ -185,8 +193,8 @@ def instanced(item: bpy.types.Object) -> None:
 
 
 UNKNOWN = [
-    smooth, own_normals, round_it, many_polygons, wave, keyed, held, shape_key, animated_mesh, displaced, rough, clear,
-    appearing, instanced,
+    smooth, own_normals, round_it, round_it_in_renders, bevel_in_renders, many_polygons, wave, keyed, held, shape_key,
+    animated_mesh, displaced, rough, clear, appearing, instanced,
 ]  # fmt: skip
 
 
@@ -208,10 +216,13 @@ def test_an_object_with_a_placement_that_is_unknown_is_unknown() -> None:
     assert read() == {}
 
 
-def test_modifiers_that_keep_an_object_steady_do_not_matter() -> None:
-    item = add()
-    item.modifiers.new("Thick", "SOLIDIFY").thickness = 0.1
-    assert len(read()["Mirror", "Steel"].normals) == 6
+@pytest.mark.parametrize(
+    ("kind", "sides"),
+    [("SOLIDIFY", 6), ("BEVEL", 2), ("EDGE_SPLIT", 2), ("TRIANGULATE", 2), ("WEIGHTED_NORMAL", 2), ("WELD", 2)],
+)
+def test_modifiers_that_keep_an_object_steady_do_not_matter(kind: str, sides: int) -> None:
+    add().modifiers.new("Kept", kind)
+    assert len(read()["Mirror", "Steel"].normals) == sides
 
 
 def test_a_hidden_object_that_nothing_shows_again_does_not_matter() -> None:

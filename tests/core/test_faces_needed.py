@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pcc_addon.core import faces_needed
 from pcc_addon.core.cubemap import FACE_NAMES
 from pcc_addon.core.decisions import Effect, Forced
 from pcc_addon.core.effects.records import Outside
@@ -175,5 +176,19 @@ def test_a_material_that_rooms_share_needs_no_more() -> None:
         assert [each.faces for each in plan.probes] == [expected] * count
 
 
-def hall_at(x: float) -> ProbeReading:
-    return probe(f"Hall {x}", x, capture_offset=(0.0, 0.0, -1.0), resolution=512)
+def hall_at(x: float, half: float = 2.0) -> ProbeReading:
+    return probe(f"Hall {x}", x, half, capture_offset=(0.0, 0.0, -1.0), resolution=512)
+
+
+def test_what_lies_deep_in_another_room_shows_that_rooms_probe_only() -> None:
+    deep = slab("Deep", "Mirror", x=10.0, height=-3.0)
+    plan = make_plan(scene(deep, halls=(HALL, hall_at(10.0, 3.0))))
+    assert plan.probes[0].faces == WITHOUT_BELOW
+    leaving = slab("Deep", "Mirror", x=10.0, height=-3.0, half=3.5)
+    plan = make_plan(scene(leaving, halls=(HALL, hall_at(10.0, 3.0))))
+    assert plan.probes[0].faces == FACE_NAMES, "beyond its room it may show the other"
+
+
+def test_how_far_objects_reach_out_of_a_box() -> None:
+    assert faces_needed._beyond(HALL.spec, FLOOR.corners) == 0.0
+    assert faces_needed._beyond(HALL.spec, slab("Pit", height=-2.5, half=2.25).corners) == pytest.approx(0.5)

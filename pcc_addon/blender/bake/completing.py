@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 
 import bpy
 
 from ...core.cubemap import FACE_NAMES
+from ...core.errors import BakeError
 from ...core.probe import ProbeSpec
 from ...core.probe_plan import ProbePlan
 from ...core.sidecar import Sidecar
@@ -27,7 +29,9 @@ def capture_of(
         content_hash: of what it sees now.
         reuse: whether faces that are there already are kept where nothing has changed.
     """
-    record = bake_record(probe) if reuse else None
+    record = None
+    with contextlib.suppress(BakeError):  # a damaged record; a new one comes in its place
+        record = bake_record(probe) if reuse else None
     lacking = record.lacks(plan.faces) if record else ()
     picture = next((level.image for level in probe.pcc_probe.levels if level.roughness == 0.0), None)
     if record is None or picture is None or not lacking or not _holds(probe, record, content_hash):

@@ -16,8 +16,8 @@ from .probes import is_animated
 _MOST_POLYGONS, _MOST_NORMALS = 4000, 8
 _SHARP = 0.1  # roughness; rougher surfaces mix what lies all around
 _FLAT = 1e-5  # by which normals of one side may differ
-# What is the same at every frame, unless it is animated itself.
-_STEADY = {"BEVEL", "EDGE_SPLIT", "MULTIRES", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WEIGHTED_NORMAL", "WELD"}
+# What is the same at every frame, unless it is animated itself, and in renders as in viewports.
+_STEADY = {"BEVEL", "EDGE_SPLIT", "SOLIDIFY", "TRIANGULATE", "WEIGHTED_NORMAL", "WELD"}
 
 
 def is_sharp(surface: SurfaceReading) -> bool:
@@ -116,11 +116,11 @@ def _placed(item: str, material: str, sides: list[tuple[np.ndarray, np.ndarray]]
 
 
 def _is_steady(item: bpy.types.Object) -> bool:
-    """Whether an object is where it is, and of its shape, at every frame."""
+    """Whether an object is where it is, and of its shape, at every frame of a render."""
     data = item.data
     if is_animated(item) or data.animation_data is not None or getattr(data, "shape_keys", None):
         return False
-    return all(modifier.type in _STEADY for modifier in item.modifiers)
+    return all(m.type in _STEADY and m.show_render == m.show_viewport for m in item.modifiers)
 
 
 def _is_displaced(material: bpy.types.Material) -> bool:
