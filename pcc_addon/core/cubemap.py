@@ -64,7 +64,7 @@ def sample_faces(
             None for those that are not there, at least one is.
         overscan: texels that each face holds beyond its 90°, at least 2: lookups at an edge read real pixels.
         directions: (..., 3), world space, not zero.
-        otherwise: (..., channels): what directions have whose faces are not there; None: 0.
+        otherwise: (..., channels): what directions have whose faces are not there; None: `beyond_edges` of the face.
 
     Returns:
         (..., channels) float32.
@@ -77,17 +77,30 @@ def sample_faces(
     size, channels = face_shape(faces)
     resolution = size - 2 * overscan
     flat = np.asarray(directions, np.float64).reshape(-1, 3)
-    result = np.zeros((len(flat), channels), np.float32)
-    if otherwise is not None:
-        result[:] = otherwise.reshape(-1, channels)
+    result = np.empty((len(flat), channels), np.float32)
     for k, chosen, a, b in find_faces(flat):
         picture = faces[k]
         if picture is None:
+            given = beyond_edges(faces, overscan, k) if otherwise is None else otherwise.reshape(-1, channels)[chosen]
+            result[chosen] = given
             continue
         column = (a + 1.0) * (0.5 * resolution) - 0.5 + overscan
         row = (b + 1.0) * (0.5 * resolution) - 0.5 + overscan
         result[chosen] = _bicubic(picture, row, column)
     return result.reshape(*np.shape(directions)[:-1], -1)
+
+
+def beyond_edges(faces: Sequence[np.ndarray | None], overscan: int, k: int) -> np.ndarray:
+    """(channels,) float32: the mean of what the others' overscan shows of a face that is not there; 0 if none does."""
+    size, channels = face_shape(faces)
+    seen = np.zeros((0, channels), np.float32)
+    for face, picture in zip(FACES, faces, strict=True):
+        if picture is not None:
+            directions = face_directions(face, size - 2 * overscan, overscan).reshape(-1, 3)
+            for found, chosen, _, _ in find_faces(directions):
+                if found == k:
+                    seen = np.concatenate([seen, picture.reshape(-1, channels)[chosen]])
+    return seen.mean(0, dtype=np.float64).astype(np.float32) if len(seen) else np.zeros(channels, np.float32)
 
 
 def face_shape(faces: Sequence[np.ndarray | None]) -> tuple[int, int]:

@@ -43,7 +43,7 @@ def from_faces(
     """The equirectangular picture (2n, 4n, channels) float32 of six faces with n texels across 90°.
 
     Args:
-        faces, overscan: as `sample_faces` has them; texels whose face is None are black.
+        faces, overscan: as `sample_faces` has them; texels whose face is None are `cubemap.beyond_edges`.
         rows_at_once: of the picture; more take more memory.
         axes: (3, 3), columns: where the picture's axes point to, in the space of the faces; None: the same space.
         before: (2n, 4n, channels): texels whose face is None are as they are here instead.

@@ -94,7 +94,7 @@ class Sidecar:
         source: where the pictures came from.
         moments: of a sequence, one for each of its frames, ascending; empty for a still. Of a sequence, what else is
             said is that of its first picture.
-        faces: those that were captured, by name, in the order of `FACES`; where others lie pictures are black.
+        faces: those that were captured, by name, in the order of `FACES`; where others lie pictures are guessed.
     """
 
     probe: str

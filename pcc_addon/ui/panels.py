@@ -57,7 +57,7 @@ class PCC_PT_probe(bpy.types.Panel):
 
 
 def _not_captured(probe: bpy.types.Object) -> tuple[str, ...]:
-    """The faces that a probe's bake left out, as nothing could mirror that way; black where that has changed since."""
+    """The faces that a bake left out, as nothing could mirror that way; guessed where that has changed since."""
     try:
         record = bake_record(probe)
     except PccError:  # status tells

@@ -103,7 +103,7 @@ def below(height: int = 64) -> np.ndarray:
     return (d[..., 2] < 0.0) & (np.abs(d[..., 2]) > np.abs(d[..., :2]).max(-1))
 
 
-def test_a_face_that_a_floor_cannot_mirror_is_not_rendered_and_black(hall, rendered) -> None:
+def test_a_face_that_a_floor_cannot_mirror_is_not_rendered_but_guessed(hall, rendered) -> None:
     assert planned() == WITHOUT_BELOW
     [result] = bake(hall)
     assert result.error is None and tuple(rendered) == result.faces == WITHOUT_BELOW
@@ -114,7 +114,7 @@ def test_a_face_that_a_floor_cannot_mirror_is_not_rendered_and_black(hall, rende
     bake_everything(hall)
     assert rendered[5:] == list(FACE_NAMES) and bake_record(hall).faces == FACE_NAMES
     six = picture(hall)
-    assert not five[below()].any() and six[below()].mean() > 0.01
+    assert len(np.unique(five[below()], axis=0)) == 1 and len(np.unique(six[below()], axis=0)) > 1
     assert np.array_equal(five[~below()], six[~below()])
 
 

@@ -109,7 +109,9 @@ def world_faces(n: int = 32, overscan: int = 4) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("missing", [{5}, {0}, {1, 2, 4}, {0, 1, 2, 3, 4}])
-def test_where_faces_are_missing_the_picture_is_black_and_nothing_else_changes(missing: set[int]) -> None:
+def test_where_faces_are_missing_the_picture_has_a_guess_and_is_the_same_elsewhere(
+    missing: set[int],
+) -> None:
     faces = world_faces()
     whole = equirect.from_faces(faces, 4)
     picture = equirect.from_faces([None if k in missing else face for k, face in enumerate(faces)], 4, rows_at_once=10)
@@ -118,7 +120,11 @@ def test_where_faces_are_missing_the_picture_is_black_and_nothing_else_changes(m
     index = 2 * axis + (np.take_along_axis(d, axis[..., None], -1)[..., 0] < 0.0)
     there = ~np.isin(index, list(missing))
     assert 0 < there.sum() < there.size
-    assert np.array_equal(picture[there], whole[there]) and not picture[~there].any()
+    assert np.array_equal(picture[there], whole[there])
+    for k in missing:
+        [guess] = np.unique(picture[index == k], axis=0)
+        if len(missing) == 1:  # from its edges, 45 degrees off its axis, and corners, 55, to 4 of 32 texels within
+            assert guess == pytest.approx(2.0 + 0.69 * np.array(FACES[k].forward), abs=0.01)
     rest = [face if k in missing else None for k, face in enumerate(faces)]
     assert np.array_equal(equirect.from_faces(rest, 4, rows_at_once=10, before=picture), whole)
 

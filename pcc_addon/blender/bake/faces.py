@@ -27,7 +27,7 @@ class Capture:
 
     Attributes:
         names: of the faces to render.
-        before: the picture that has others already; None: these are left black.
+        before: the picture that has others already; None: these are guessed.
     """
 
     spec: ProbeSpec
