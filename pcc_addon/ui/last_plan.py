@@ -23,14 +23,12 @@ class LastPlan:
 
     Attributes:
         plan: it.
-        objects: how many the scene had then.
         seconds: how long planning took.
         states: by name what was found of the probes' bakes; empty where that was not asked.
         late: whether the scene was changed since.
     """
 
     plan: Plan
-    objects: int
     seconds: float = 0.0
     states: Mapping[str, ProbeStatus] = field(default_factory=dict)
     late: bool = False
@@ -82,7 +80,7 @@ def _keep(
     before = of(scene)
     if seconds is None:
         seconds = before.seconds if before is not None else 0.0
-    _plans[scene.session_uid] = LastPlan(plan, len(scene.objects), seconds, states or {})
+    _plans[scene.session_uid] = LastPlan(plan, seconds, states or {})
     _redraw()
 
 
@@ -107,7 +105,7 @@ def on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if last is None or last.late or handlers.is_paused():
         return
     changed = (u.is_updated_geometry or u.is_updated_transform or u.is_updated_shading for u in depsgraph.updates)
-    if any(changed) or len(scene.objects) != last.objects:
+    if any(changed):  # whatever is deleted changes its collection
         _call_late(scene)
 
 
