@@ -8,7 +8,7 @@ def register() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import by_hand, interior, operators, panels, picture, plan
+    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan
 
     properties.register()
     for cls in (
@@ -18,12 +18,14 @@ def register() -> None:
         *interior.CLASSES,
         *by_hand.CLASSES,
         *panels.CLASSES,
+        *effects.CLASSES,
     ):
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_lightprobe_add.append(panels.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.append(interior.draw_add_menu)
     bpy.types.NODE_MT_shader_node_add_all.append(by_hand.draw_add_menu)
     handlers.register()
+    last_plan.register()
     _shell_command(register=True)
 
 
@@ -32,15 +34,24 @@ def unregister() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import by_hand, interior, operators, panels, picture, plan
+    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan
 
     _shell_command(register=False)
+    last_plan.unregister()
     handlers.unregister()
     bpy.types.NODE_MT_shader_node_add_all.remove(by_hand.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.remove(interior.draw_add_menu)
     bpy.types.VIEW3D_MT_lightprobe_add.remove(panels.draw_add_menu)
     for cls in reversed(
-        (*operators.CLASSES, *picture.CLASSES, *plan.CLASSES, *interior.CLASSES, *by_hand.CLASSES, *panels.CLASSES)
+        (
+            *operators.CLASSES,
+            *picture.CLASSES,
+            *plan.CLASSES,
+            *interior.CLASSES,
+            *by_hand.CLASSES,
+            *panels.CLASSES,
+            *effects.CLASSES,
+        )
     ):
         bpy.utils.unregister_class(cls)
     properties.unregister()

@@ -17,16 +17,27 @@ _STATES = (
 
 
 def settings_class(
-    name: str, effects: Sequence[Effect], update: Callable[[Any, bpy.types.Context], None] | None = None
+    name: str, effects: Sequence[Effect], chosen: Callable[[bpy.types.ID, Effect], None]
 ) -> type[bpy.types.PropertyGroup]:
-    """A property group with one choice for each effect, called by its key."""
-    choices = {
-        effect.key: bpy.props.EnumProperty(
-            name=effect.label, description=effect.meaning, items=_STATES, options=set(), update=update
-        )
-        for effect in effects
-    }
+    """A property group with one choice for each effect, called by its key.
+
+    Args:
+        name: of the class.
+        effects: which.
+        chosen: called with the object or material whose choice of an effect was set.
+    """
+    choices = {effect.key: _choice(effect, chosen) for effect in effects}
     return type(name, (bpy.types.PropertyGroup,), {"__doc__": "Effects by key.", "__annotations__": choices})
+
+
+def _choice(effect: Effect, chosen: Callable[[bpy.types.ID, Effect], None]) -> Any:
+    return bpy.props.EnumProperty(
+        name=effect.label,
+        description=effect.meaning,
+        items=_STATES,
+        options=set(),
+        update=lambda settings, context: chosen(settings.id_data, effect),
+    )
 
 
 def forced_of_probe(probe: bpy.types.Object) -> Forced:

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import bpy
 
+from ..core.decisions import Effect
 from ..core.errors import PccError
 from ..core.lookup_plan import lookup_effects
 from . import marks, properties
 from .probes import keep_pictures_found
 from .read.probes import all_probes, bake_record, probe_spec
-from .shade import by_hand, groups, injection, live, probe_group
+from .shade import by_hand, copies, groups, injection, live, probe_group
 from .store import leftovers
 
 _paused = 0
@@ -28,6 +29,11 @@ def paused() -> Iterator[None]:
         yield
     finally:
         _paused -= 1
+
+
+def is_paused() -> bool:
+    """Whether materials are changed for a while, as they are by a bake."""
+    return _paused > 0
 
 
 @bpy.app.handlers.persistent
@@ -100,6 +106,28 @@ def on_shader_setting(probe: bpy.types.Object) -> None:
         live.refresh_probe(probe, bpy.context.scene.pcc.roughness_limit)
 
 
+def on_effect(owner: bpy.types.ID, effect: Effect) -> None:
+    """Show at once what an artist chose of a probe's or a material's effect; choices do not tag what has them."""
+    if _paused:
+        return
+    scene = bpy.context.scene
+    if isinstance(owner, bpy.types.Material):
+        original = marks.original(owner)
+        with paused():
+            copies.repeat_choice(owner, original, effect)
+        if effect in _DIVIDING:
+            with paused(), contextlib.suppress(PccError):  # an injection names what is wrong
+                injection.show_anew(scene, bpy.context.view_layer, original)
+        live.follow([original], scene.pcc.roughness_limit, make_levels=True)
+    elif owner.pcc_probe.group is not None:
+        receivers = probe_group.known_receivers(owner.pcc_probe.group)
+        with contextlib.suppress(PccError):  # as for a setting
+            live.refresh_probe(owner, scene.pcc.roughness_limit, receivers)
+
+
+_DIVIDING = {Effect.BY_PLACE, Effect.OWN_LOBE}  # they decide which probes a material shows, and whether it shows any
+
+
 def bring_all_up_to_date(scene: bpy.types.Scene) -> None:
     """Every material that shows probes."""
     live.follow(list(bpy.data.materials), scene.pcc.roughness_limit)
@@ -154,10 +182,12 @@ def register() -> None:
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)
     properties.shader_listeners.append(on_shader_setting)
+    properties.effect_listeners.append(on_effect)
 
 
 def unregister() -> None:
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(handler)
     properties.shader_listeners.remove(on_shader_setting)
+    properties.effect_listeners.remove(on_effect)
     leftovers.closing()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import bpy
 
-from ..core.decisions import OF_MATERIALS, OF_PROBES
+from ..core.decisions import OF_MATERIALS, OF_PROBES, Effect
 from ..core.effects.records import Outside
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Engine, Source
 from .effect_settings import settings_class
@@ -14,14 +14,22 @@ from .effect_settings import settings_class
 shader_listeners: list[Callable[[bpy.types.Object], None]] = []
 """Called with a probe whose settings changed that its shader depends on."""
 
+effect_listeners: list[Callable[[bpy.types.ID, Effect], None]] = []
+"""Called with a probe or a material for which an artist chose whether an effect is on."""
+
 
 def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
     for listener in shader_listeners:
         listener(settings.id_data)
 
 
-PCC_ProbeEffects = settings_class("PCC_ProbeEffects", OF_PROBES, _refresh_shader)
-PCC_MaterialEffects = settings_class("PCC_MaterialEffects", OF_MATERIALS)
+def _tell_choice(owner: bpy.types.ID, effect: Effect) -> None:
+    for listener in effect_listeners:
+        listener(owner, effect)
+
+
+PCC_ProbeEffects = settings_class("PCC_ProbeEffects", OF_PROBES, _tell_choice)
+PCC_MaterialEffects = settings_class("PCC_MaterialEffects", OF_MATERIALS, _tell_choice)
 
 
 class PCC_HiddenObject(bpy.types.PropertyGroup):

@@ -11,7 +11,7 @@ from ..core.content_hash import VERSION, version_of
 from ..core.errors import PccError
 from ..core.faces_needed import said
 from ..core.frames import STILL, FrameRange, spans
-from ..core.plan import make_plan
+from ..core.plan import Plan, make_plan
 from ..core.probe import ProbeSpec, Source
 from ..core.sequence import changed_frames
 from ..core.sidecar import Sidecar
@@ -49,7 +49,9 @@ class ProbeStatus:
     def words(self) -> str:
         """All that there is to say of it."""
         said = [self.why] * bool(self.why)
-        if self.unneeded and self.state != "baked":
+        if self.unneeded and self.state == "unbaked":
+            said = [f"it has no bake and needs none: {self.unneeded}"]
+        elif self.unneeded and self.state != "baked":
             said.append(f"it needs no bake: {self.unneeded}")
         if self.outdated:
             said.append(f"inject again: {'; '.join(self.outdated)}")
@@ -58,6 +60,11 @@ class ProbeStatus:
 
 def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[ProbeStatus]:
     """The state of every probe of a scene, by name; goes through the frames of sequences and back."""
+    return planned_statuses(scene, view_layer)[1]
+
+
+def planned_statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[Plan, list[ProbeStatus]]:
+    """`statuses`, and the plan that they are held to."""
     probes = all_probes(scene)
     reading = read_scene(scene, view_layer)
     plan = make_plan(reading)
@@ -69,7 +76,7 @@ def statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[Pr
         _status(probe, view_layer, fingerprint, seen.get(probe.name, {}), faces.get(probe.name, ())) for probe in probes
     ]
     unneeded = {probe.probe: probe.unneeded for probe in plan.probes}
-    return [
+    return plan, [
         replace(status, unneeded=unneeded.get(status.probe, ""), outdated=late.get(status.probe, ()))
         for status in found
     ]
@@ -196,7 +203,13 @@ def waiting_probes(
     frames: FrameRange | str | None = None,
 ) -> Waiting:
     """Of `stale_probes`, with the same arguments, those that anything shows."""
-    found = statuses(scene, view_layer)
+    return waiting_among(statuses(scene, view_layer), among, frames)
+
+
+def waiting_among(
+    found: Sequence[ProbeStatus], among: Sequence[bpy.types.Object], frames: FrameRange | str | None = None
+) -> Waiting:
+    """`waiting_probes` where it is known how the probes stand."""
     needless = {status.probe: status.unneeded for status in found if status.unneeded and status.state != "error"}
     stale = _stale(found, among, frames)
     sentences = [

@@ -37,9 +37,14 @@ def lines(plan: Plan) -> Iterator[str]:
 
 def told(decision: Decision) -> str:
     """A decision in words: the effect, whether it is on, why, and what that costs or saves."""
-    words = cost_table().of(decision.effect).words
-    cost = f" ({'costs' if decision.on else 'saves'} {words})" if words else ""
+    cost = f" ({price(decision)})" if price(decision) else ""
     return f"[{'on' if decision.on else 'off'}] {decision.effect.label}: {decision.why}{cost}"
+
+
+def price(decision: Decision) -> str:
+    """What a decision costs or saves, in words; empty where that was not measured."""
+    words = cost_table().of(decision.effect).words
+    return f"{'costs' if decision.on else 'saves'} {words}" if words else ""
 
 
 def records(plan: Plan) -> Iterator[dict[str, object]]:

@@ -17,6 +17,7 @@ from .effects.thin_film import ThinFilm
 from .effects.transmission import Interface
 from .pictures import LADDER
 from .readings import MaterialReading, SurfaceReading, Value
+from .words import named
 
 REFLECTS_NOTHING = "it reflects nothing"
 
@@ -110,7 +111,11 @@ def _plan_surface(
     effects = None if reasons or surface.kind not in KINDS else surface_effects(surface, interface)
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
     if effects is None:
-        return SurfacePlan(surface.path, None, (low, high), tuple(reasons or [REFLECTS_NOTHING]), interface)
+        off = () if reasons else tuple(_forced_away(given, interface, forced))
+        reasons = reasons or [f"with {named([o.effect.label for o in off])} off {REFLECTS_NOTHING}"] * bool(off)
+        return SurfacePlan(
+            surface.path, None, (low, high), tuple(reasons or [REFLECTS_NOTHING]), interface, decisions=off
+        )
     blends = Effect.ROUGHNESS in forced.on
     effects = replace(effects, smooth=effects.smooth and not blends)
     handed_over = limit if high > limit else None
@@ -121,15 +126,24 @@ def _plan_surface(
     values = {name: surface.value(name) for name in refused if surface.has(name)}
     rounded = [refused[name].served for name, value in values.items() if value != 0.0 and refused[name].ignored(value)]
     reasons = [how + beyond, effects.label, *rounded, *(f"its {layer} lies over that as it is" for layer in layers)]
-    bends = forced.decide(Effect.BENT_NORMALS, bends_normals and _has_own_normals(surface), _normals_of(surface))
-    bent = bends.on and _has_own_normals(surface)
+    wanted = forced.decide(Effect.BENT_NORMALS, bends_normals, "").on
+    bent = wanted and _has_own_normals(surface)
     reasons += ["its normals are bent where they would mirror the view into the surface"] * bent
     if effects.transmits and interface is Interface.ONCE:
         reasons.append("it bends light once, as its objects have no far side (Thickness: Slab would make them panes)")
     plan = SurfacePlan(
         surface.path, effects, (low, high), tuple(reasons), interface, handed_over, bool(layers), bent, blends
     )
+    bends = _said(Effect.BENT_NORMALS, bent, _normals_of(surface), forced)
     return replace(plan, decisions=(*surface_decisions(given, plan, forced), bends))
+
+
+def _forced_away(given: SurfaceReading, interface: Interface, forced: Forced) -> Iterator[Decision]:
+    """What was forced off of a surface that reflects nothing since then; nothing of one that never did."""
+    if given.kind in KINDS and surface_effects(given, interface) is not None:
+        for effect in sorted(forced.off, key=list(Effect).index):
+            if effect in (Effect.DIELECTRIC, Effect.METAL, Effect.TRANSMISSION):
+                yield Decision(effect, False, f"forced off; {REFLECTS_NOTHING} then", True)
 
 
 def _has_own_normals(surface: SurfaceReading) -> bool:
@@ -147,7 +161,7 @@ def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
         for name, without in inputs.items():
             if effect in forced.off:
                 changed[name] = without
-            elif effect in forced.on and effect.lossless and surface.has(name) and surface.value(name) == without:
+            elif effect in forced.on and effect.lossless and surface.has(name) and _is(surface.value(name), without):
                 changed[name] = None
     if Effect.DIELECTRIC in forced.off:
         changed["Specular IOR Level"] = 0.0
@@ -156,8 +170,14 @@ def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
     if Effect.ROUGHNESS in forced.off:
         changed["Roughness"] = 0.0
     kept = tuple((name, changed.get(name, value)) for name, value in surface.inputs)
-    single = Effect.MULTISCATTER in forced.off and surface.distribution == "MULTI_GGX"
-    return replace(surface, inputs=kept, distribution="GGX" if single else surface.distribution)
+    chosen = {"MULTI_GGX": "GGX"} if Effect.MULTISCATTER in forced.off else {}
+    chosen |= {"GGX": "MULTI_GGX"} if Effect.MULTISCATTER in forced.on else {}
+    return replace(surface, inputs=kept, distribution=chosen.get(surface.distribution, surface.distribution))
+
+
+def _is(value: Value, without: Value) -> bool:
+    """Whether an input has the value without an effect; alpha does not count."""
+    return (value[:3] if isinstance(value, tuple) else value) == without
 
 
 _DECIDING: Mapping[Effect, Mapping[str, Value]] = {
@@ -197,16 +217,22 @@ def surface_decisions(surface: SurfaceReading, plan: SurfacePlan, forced: Forced
         why = _in_words(surface, "Metallic" if surface.value("Metallic") != 0.0 else "IOR")
         yield _said(Effect.DIELECTRIC, bool(dielectrics), why, forced)
     scattering = any(isinstance(part, Multiscatter) for part in parts)
-    facets = surface.distribution.replace("_", " ").title() or "those of a mirror"
+    facets = _FACETS.get(surface.distribution, surface.distribution.title()) or "those of a mirror"
     smooth = "it is a mirror" if plan.roughness == (0.0, 0.0) else f"its microfacets are {facets}"
     yield _said(Effect.MULTISCATTER, scattering, smooth, forced)
     if surface.has("Roughness"):
         yield _said(Effect.ROUGHNESS, plan.blends or plan.varies, _in_words(surface, "Roughness"), forced)
         limit = "it may be rougher than the limit" if plan.handed_over is not None else "it is nowhere too rough"
+        limit = "it shows probes however rough it is" if Effect.OWN_LOBE in forced.off else limit
         yield _said(Effect.OWN_LOBE, plan.handed_over is not None, limit, forced)
 
 
+_FACETS = {"GGX": "GGX", "MULTI_GGX": "Multiscatter GGX"}
+
+
 def _said(effect: Effect, on: bool, why: str, forced: Forced) -> Decision:
+    if effect in (forced.off if on else forced.on):
+        return Decision(effect, on, f"cannot be forced {'off' if on else 'on'}: {why}")
     chosen = effect in (forced.on if on else forced.off)
     return Decision(effect, on, f"forced {'on' if on else 'off'}; {why}" if chosen else why, chosen)
 

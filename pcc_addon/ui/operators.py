@@ -10,10 +10,11 @@ from ..blender.bake.job import BakedProbe, BakeJob
 from ..blender.probes import add_probe
 from ..blender.read.probes import all_probes
 from ..blender.shade import injection
-from ..blender.status import waiting_probes
+from ..blender.status import waiting_among
 from ..blender.store.levels import bake_folder
 from ..core.errors import Cancelled, PccError
 from ..core.frames import FIRST_FRAME, LAST_FRAME, FrameRange, parse_frames
+from . import last_plan
 
 _SCOPE = bpy.props.EnumProperty(
     name="Scope",
@@ -100,6 +101,7 @@ class PCC_OT_bake(bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
     _job: BakeJob | None = None
+    _left: int = 0  # probes that are stale and that nothing shows
     _timer: bpy.types.Timer | None = None
 
     @classmethod
@@ -118,7 +120,7 @@ class PCC_OT_bake(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if not probes:
-            self.report({"INFO"}, _NOTHING_TO_BAKE[self.scope])
+            self.report({"INFO"}, _NOTHING_TO_BAKE[self.scope] + self._left_in_words)
             return {"FINISHED"}
         folder = bake_folder(context.scene)
         if folder is None:
@@ -133,10 +135,19 @@ class PCC_OT_bake(bpy.types.Operator):
             return [probe for probe in probes if probe.select_get(view_layer=context.view_layer)]
         if self.scope == "ALL":
             return probes
-        waiting = waiting_probes(context.scene, context.view_layer, probes, frames)
+        waiting = waiting_among(last_plan.check(context.scene, context.view_layer), probes, frames)
         for line in waiting.unneeded:
             self.report({"INFO"}, line)
+        self._left = len(waiting.unneeded)
         return list(waiting.probes)
+
+    @property
+    def _left_in_words(self) -> str:
+        """What the end of a report says of probes that were left out, each of which has a line before."""
+        if not self._left:
+            return ""
+        verb, those = ("is", "it") if self._left == 1 else ("are", "them")
+        return f"; {self._left} {verb} left as nothing shows {those}"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         if ended := self._start(context):
@@ -146,7 +157,7 @@ class PCC_OT_bake(bpy.types.Operator):
         except PccError as error:
             self.report({"ERROR"}, str(error))
             return self._stopped()
-        return self._report(results)
+        return self._report(context, results)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
@@ -181,7 +192,7 @@ class PCC_OT_bake(bpy.types.Operator):
         if more:
             return {"RUNNING_MODAL"}
         self._finish(context)
-        return self._report(self._job.results)
+        return self._report(context, self._job.results)
 
     def _stopped(self) -> set[str]:
         """What a bake that did not end returns: an undo step where some of its probes were finished."""
@@ -193,7 +204,8 @@ class PCC_OT_bake(bpy.types.Operator):
         context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
 
-    def _report(self, results: Sequence[BakedProbe]) -> set[str]:
+    def _report(self, context: bpy.types.Context, results: Sequence[BakedProbe]) -> set[str]:
+        last_plan.make(context.scene, context.view_layer)
         for line in self._job.missing_textures:
             self.report({"WARNING"}, f"{line}; the bake shows it in pink")
         done = [r for r in results if r.error is None]
@@ -201,7 +213,7 @@ class PCC_OT_bake(bpy.types.Operator):
             for line in (*result.replaced_pixels, *result.warnings):
                 self.report({"WARNING"}, f"probe '{result.probe}': {line}")
         if done:
-            self.report({"INFO"}, f"Baked {', '.join(str(result) for result in done)}")
+            self.report({"INFO"}, f"Baked {', '.join(str(result) for result in done)}{self._left_in_words}")
         failed = [r.error for r in results if r.error is not None]
         if failed:
             self.report({"ERROR"}, "; ".join(failed))
@@ -263,6 +275,7 @@ class PCC_OT_inject(bpy.types.Operator):
         except PccError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        last_plan.keep(context.scene, context.view_layer, report.plan)
         for note in report.notes:
             self.report({"WARNING"}, note)
         self.report({"INFO"}, f"{len(report.materials)} materials show their probes")

@@ -7,6 +7,8 @@ import bpy
 from ..blender.read.probes import all_probes, bake_record
 from ..core.cubemap import FACE_NAMES
 from ..core.errors import PccError
+from . import last_plan
+from .sentences import say
 
 
 class PCC_PT_probe(bpy.types.Panel):
@@ -50,10 +52,14 @@ class PCC_PT_probe(bpy.types.Panel):
         box.prop(settings, "falloff")
         box.prop(settings, "outside")
         box.prop(settings, "contact_hardening")
-        layout.operator("pcc.bake", icon="RENDER_STILL", text="Bake Selected Probes").scope = "SELECTED"
+        column = layout.column(align=True)
+        column.operator("pcc.bake", icon="RENDER_STILL", text="Bake Selected Probes").scope = "SELECTED"
+        words = _words(last_plan.of(context.scene), context.object.name)
+        if words:
+            say(column, context, words[0].upper() + words[1:])
         lacking = _not_captured(context.object)
         if lacking:
-            layout.label(text=f"Not captured: {', '.join(lacking)}", icon="INFO")
+            say(column, context, f"Not captured: {', '.join(lacking)}")
 
 
 def _not_captured(probe: bpy.types.Object) -> tuple[str, ...]:
@@ -130,11 +136,17 @@ class PCC_PT_scene(bpy.types.Panel):
             layout.operator("pcc.probe_add", icon="LIGHTPROBE_SPHERE", text="Add Parallax Probe")
             layout.operator("pcc.remove", icon="X")  # materials may show probes of other scenes
             return
-        column = layout.column(align=True)
+        last = last_plan.of(context.scene)
         for probe in probes:
-            baked = bool(probe.pcc_probe.bake_record)
-            column.label(text=probe.name, icon="CHECKMARK" if baked else "RADIOBUT_OFF")
+            column = layout.column(align=True)
+            say(column, context, probe.name, _icon(last, probe), quiet=False)
+            words = _words(last, probe.name)
+            if words:
+                say(column, context, words)
+        if last is not None and last.late and (last.states or any(_words(last, probe.name) for probe in probes)):
+            say(layout.column(align=True), context, "As it was before the last change")
         column = layout.column(align=True)
+        column.operator("pcc.status", icon="FILE_REFRESH")
         column.operator("pcc.bake", icon="RENDER_STILL", text="Bake Stale").scope = "STALE"
         row = column.row(align=True)
         row.operator("pcc.bake", text="All").scope = "ALL"
@@ -149,6 +161,27 @@ class PCC_PT_scene(bpy.types.Panel):
         column.operator("pcc.interior_add_pictures", icon="IMAGE_DATA")
         layout.prop(context.scene.pcc, "roughness_limit")
         layout.prop(context.scene.pcc, "folder")
+
+
+_STATES = {"baked": "CHECKMARK", "stale": "FILE_REFRESH", "unbaked": "RADIOBUT_OFF", "error": "ERROR"}
+
+
+def _icon(last: last_plan.LastPlan | None, probe: bpy.types.Object) -> str:
+    """How a probe's bake stands, as far as it was asked."""
+    state = last.states.get(probe.name) if last is not None else None
+    if state is None:
+        return _STATES["baked" if probe.pcc_probe.bake_record else "unbaked"]
+    return _STATES[state.state]
+
+
+def _words(last: last_plan.LastPlan | None, name: str) -> str:
+    """What is to be said of a probe: what was found of its bake, else whether it needs one, as far as that is known."""
+    if last is None:
+        return ""
+    state, plan = last.states.get(name), last.plan.probe(name)
+    if state is not None:
+        return state.words
+    return f"needs no bake: {plan.unneeded}" if plan is not None and plan.unneeded else ""
 
 
 def draw_add_menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:

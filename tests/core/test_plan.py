@@ -614,6 +614,53 @@ def test_the_scenes_own_limit_counts() -> None:
     assert plan_of(wood, roughness_limit=0.5).probes == ("Hall",)
 
 
+# What a user forces of surfaces
+
+
+def forced(effect: Effect, on: bool, reading: SurfaceReading) -> SurfacePlan:
+    choice = Forced(on=frozenset({effect})) if on else Forced(off=frozenset({effect}))
+    [plan] = plan_surfaces(material("Wood", reading, forced=choice), LIMIT)
+    return plan
+
+
+@pytest.mark.parametrize(
+    ("effect", "reading", "why"),
+    [
+        (Effect.MULTISCATTER, surface(), "forced on; its microfacets are GGX"),
+        (Effect.TINT, surface(), "forced on; its Specular Tint is 1, 1, 1"),
+        (Effect.METAL, surface(), "forced on; its Metallic is 0"),
+        (Effect.ROUGHNESS, surface(), "forced on; its Roughness is 0.25"),
+    ],
+)
+def test_what_a_surface_may_have_is_on_where_it_is_forced(effect: Effect, reading: SurfaceReading, why: str) -> None:
+    plan = forced(effect, True, reading)
+    assert decision(plan, effect) == Decision(effect, True, why, forced=True)
+    assert plan.effects.label != planned(reading).effects.label or plan.blends
+
+
+@pytest.mark.parametrize(
+    ("effect", "why"),
+    [
+        (Effect.FILM, "cannot be forced on: its Thin Film Thickness is 0"),
+        (Effect.TRANSMISSION, "cannot be forced on: its Transmission Weight is 0"),
+        (Effect.OWN_LOBE, "cannot be forced on: it is nowhere too rough"),
+        (Effect.BENT_NORMALS, "cannot be forced on: nothing perturbs its normals"),
+    ],
+)
+def test_what_a_surface_cannot_have_stays_off_and_says_so(effect: Effect, why: str) -> None:
+    plan = forced(effect, True, surface())
+    assert decision(plan, effect) == Decision(effect, False, why)
+    assert plan.effects == planned(surface()).effects
+
+
+def test_a_surface_that_reflects_nothing_since_something_is_forced_off_says_what() -> None:
+    plan = forced(Effect.DIELECTRIC, False, surface())
+    assert plan.effects is None and plan.reasons == ("with 'Dielectric' off it reflects nothing",)
+    assert plan.decisions == (Decision(Effect.DIELECTRIC, False, "forced off; it reflects nothing then", True),)
+    black = forced(Effect.DIELECTRIC, False, surface(Specular_IOR_Level=0.0))
+    assert black.reasons == ("it reflects nothing",) and black.decisions == ()
+
+
 # What light passes through
 
 

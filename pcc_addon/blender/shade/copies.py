@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 
 import bpy
 
+from ...core.decisions import Effect
 from ...core.parts import MaterialPart
 from .. import marks
 from ..read.node_lines import material_lines, node_lines
@@ -97,6 +98,14 @@ def follow(original: bpy.types.Material, known: Sequence[bpy.types.Material]) ->
         _note_state(followed, state)
         changed.append((followed, groups))
     return changed
+
+
+def repeat_choice(chosen: bpy.types.Material, original: bpy.types.Material, effect: Effect) -> None:
+    """Give a material and all its copies the choice of an effect that was made for one of them."""
+    choice = getattr(chosen.pcc.effects, effect.key)
+    for material in (original, *all_copies().get(original, ())):
+        if getattr(material.pcc.effects, effect.key) != choice and material.library is None:
+            setattr(material.pcc.effects, effect.key, choice)
 
 
 def _renewed(copy: bpy.types.Material, original: bpy.types.Material) -> bpy.types.Material:

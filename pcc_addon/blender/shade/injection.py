@@ -20,7 +20,7 @@ from ..read.scene import read_scene
 from ..store.levels import bake_folder, ensure_levels
 from . import by_hand, copies, groups, live
 from .probe_group import refresh_group, shown_probe
-from .twin import is_torn
+from .twin import has_twins, is_torn
 from .twin_order import ShownProbe, TwinOrder
 
 
@@ -31,10 +31,12 @@ class InjectionReport:
     Attributes:
         materials: (material, probe) names of those that now show probes, a pair for each probe.
         notes: sentences on materials, surfaces and probes that were left alone.
+        plan: what was obeyed.
     """
 
     materials: tuple[tuple[str, str], ...]
     notes: tuple[str, ...]
+    plan: Plan
 
 
 def inject(
@@ -72,7 +74,7 @@ def inject(
         notes += material_plan.notes
     _remove_from_others(plan, objects if objects is not None else scene.objects)
     groups.drop_unused_groups()
-    return InjectionReport(tuple(pairs), tuple(notes))
+    return InjectionReport(tuple(pairs), tuple(notes), plan)
 
 
 def _show(
@@ -97,14 +99,27 @@ def _show(
 def mend(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
     """Build again what materials show and somebody deleted; nothing else is touched."""
     torn = {marks.original(m).name_full: marks.original(m) for m in bpy.data.materials if is_torn(m)}
-    if not torn:
-        return
+    if torn:
+        _show_some(scene, view_layer, torn)
+
+
+def show_anew(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, material: bpy.types.Material) -> None:
+    """Let one material show the probes that the plan gives it now; nothing happens where no material shows any yet.
+
+    Raises:
+        PccError: a probe or a picture is faulty.
+    """
+    if any(map(has_twins, bpy.data.materials)):
+        _show_some(scene, view_layer, {material.name_full: material})
+
+
+def _show_some(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, some: Mapping[str, bpy.types.Material]) -> None:
     reading = read_scene(scene, view_layer)
     plan = make_plan(reading)
     shown = _build_probes(scene, reading, plan, [])
     specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
     for material_plan in plan.materials:
-        material = torn.get(material_plan.material)
+        material = some.get(material_plan.material)
         if material is not None and material_plan.probes and not material.library:
             _show(material, material_plan, shown, specs, copies.all_copies())
 
