@@ -45,10 +45,14 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
 
 def _cameras(scene: bpy.types.Scene) -> tuple[CameraReading, ...]:
     found = {o.name: o for o in (scene.camera, *(marker.camera for marker in scene.timeline_markers)) if o}
-    places = {
-        n: None if is_animated(o) else tuple(float(c) for c in o.matrix_world.translation) for n, o in found.items()
-    }
-    return tuple(CameraReading(name, places[name]) for name in sorted(found))
+    return tuple(CameraReading(name, _place(found[name], scene)) for name in sorted(found))
+
+
+def _place(camera: bpy.types.Object, scene: bpy.types.Scene) -> tuple[float, float, float] | None:
+    parallel = camera.type == "CAMERA" and camera.data.type == "ORTHO"
+    if parallel or is_animated(camera) or scene.render.use_multiview:
+        return None
+    return tuple(float(c) for c in camera.matrix_world.translation)
 
 
 def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers: OtherReaders) -> ProbeReading:

@@ -54,7 +54,7 @@ def inject(
     reading = read_scene(scene, view_layer)
     plan = make_plan(reading)
     notes = list(plan.notes)
-    shown = _build_probes(scene, reading, plan, notes)
+    shown = _build_probes(scene, reading, plan, notes, whole=objects is None)
     if not shown:
         raise PccError(notes[0] if notes else f"scene '{scene.name}' has no probe; add one and bake it")
     specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
@@ -100,7 +100,7 @@ def mend(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
         return
     reading = read_scene(scene, view_layer)
     plan = make_plan(reading)
-    shown = _build_probes(scene, reading, plan, [])
+    shown = _build_probes(scene, reading, plan, [], whole=False)
     specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
     for material_plan in plan.materials:
         material = torn.get(material_plan.material)
@@ -139,8 +139,13 @@ def order_of(
     return TwinOrder(ordered, plan.served, plan.emits)
 
 
-def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, notes: list[str]) -> dict[str, ShownProbe]:
-    """The groups of all baked probes, with the levels that the plan wants; what fails becomes a note."""
+def _build_probes(
+    scene: bpy.types.Scene, reading: SceneReading, plan: Plan, notes: list[str], *, whole: bool
+) -> dict[str, ShownProbe]:
+    """The groups of all baked probes, with the levels that the plan wants; what fails becomes a note.
+
+    Unless the whole scene is injected, other materials may choose between a probe and others though none is to any more.
+    """
     shown = {}
     objects = {probe.name: probe for probe in all_probes(scene)}
     folder = bake_folder(scene)
@@ -154,7 +159,7 @@ def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, not
             continue
         try:
             ensure_levels(probe, probe_plan.roughnesses, folder)
-            refresh_group(probe, probe_plan.receivers, probe_plan.shares)
+            refresh_group(probe, probe_plan.receivers, probe_plan.shares or (False if whole else None))
             by_hand.refresh(probe)
         except PccError as error:
             notes.append(str(error))
