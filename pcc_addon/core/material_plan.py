@@ -99,9 +99,16 @@ def plan_material(
     if division.dropped:
         dropped = named(division.dropped)
         reasons.append(f"shows {fitting} probes and not {dropped}: EEVEE reads no more pictures in one material")
-    strays = _strays(division, found.strays.get(material.name, {}))
-    why = tuple(reasons)
-    return MaterialPlan(material.name, division, tuple(objects), surfaces, why, material.emits, (by_place,), strays)
+    return MaterialPlan(
+        material.name,
+        division,
+        tuple(objects),
+        surfaces,
+        tuple(reasons),
+        material.emits,
+        (by_place,),
+        _strays(division, found.strays.get(material.name, {})),
+    )
 
 
 def _strays(division: Division, reached: Mapping[str, Collection[str]]) -> frozenset[str]:

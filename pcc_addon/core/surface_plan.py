@@ -107,7 +107,9 @@ def _plan_surface(
     reasons = list(_refusals(surface, roughness, limit))
     if interface is Interface.VESSEL and surface.kind in KINDS and may_transmit(surface):
         reasons.append("is seen through, and other objects stand inside what it covers, which no probe could show")
-    effects = None if reasons or surface.kind not in KINDS else surface_effects(surface, interface)
+    # What reflects nothing shows nothing of a probe, whatever is forced on.
+    reflects = surface.kind in KINDS and surface_effects(given) is not None
+    effects = surface_effects(surface, interface) if reflects and not reasons else None
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
     if effects is None:
         return SurfacePlan(surface.path, None, (low, high), tuple(reasons or [REFLECTS_NOTHING]), interface)
@@ -147,7 +149,7 @@ def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
         for name, without in inputs.items():
             if effect in forced.off:
                 changed[name] = without
-            elif effect in forced.on and effect.lossless and surface.has(name) and surface.value(name) == without:
+            elif effect in forced.on and effect.lossless and surface.has(name) and _is(surface.value(name), without):
                 changed[name] = None
     if Effect.DIELECTRIC in forced.off:
         changed["Specular IOR Level"] = 0.0
@@ -158,6 +160,11 @@ def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
     kept = tuple((name, changed.get(name, value)) for name, value in surface.inputs)
     single = Effect.MULTISCATTER in forced.off and surface.distribution == "MULTI_GGX"
     return replace(surface, inputs=kept, distribution="GGX" if single else surface.distribution)
+
+
+def _is(value: Value, other: Value) -> bool:
+    """Whether two values are the same, apart from the alpha of colours."""
+    return value == other or (isinstance(value, tuple) and isinstance(other, tuple) and value[:3] == other[:3])
 
 
 _DECIDING: Mapping[Effect, Mapping[str, Value]] = {

@@ -294,7 +294,7 @@ def _moved(room: Room, place: Triple) -> Room:
 
 
 def drawn(number: int) -> Drawn:
-    """The scene of a number: the second that Hypothesis draws from this seed, since the first is the simplest of all."""
+    """The scene of a number: the second that Hypothesis draws from this seed, as the first is the simplest of all."""
     found: list[Drawn] = []
 
     @seed(number)

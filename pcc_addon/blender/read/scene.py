@@ -39,7 +39,7 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
         roughness_limit=scene.pcc.roughness_limit,
         cameras=_cameras(scene),
         walls=tuple(_walls(view_layer, clear)) if clear else (),
-        animated=frozenset(o.name_full for o in scene.objects if is_moving(o)),
+        animated=frozenset(_moving(scene, view_layer)),
     )
 
 
@@ -118,6 +118,18 @@ def _shown(view_layer: bpy.types.ViewLayer) -> Iterator[tuple[bpy.types.Object, 
     for instance in _depsgraph(view_layer).object_instances:
         if instance.object.type in _SURFACES and not instance.object.hide_render:
             yield instance.object, np.array(instance.matrix_world, np.float64)
+
+
+def _moving(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Iterator[str]:
+    """Names of what may be elsewhere at another frame: of objects, and of those that moving ones make instances of."""
+    known = {item.name_full: is_moving(item) for item in scene.objects}
+    yield from (name for name, moves in known.items() if moves)
+    for instance in _depsgraph(view_layer).object_instances:
+        if instance.is_instance:
+            makers = (instance.parent.original, instance.object.original)
+            known |= {item.name_full: is_moving(item) for item in makers if item.name_full not in known}
+            if any(known[item.name_full] for item in makers):
+                yield makers[1].name_full
 
 
 def _is_fixed(item: bpy.types.Object, shown: tuple[str, ...]) -> bool:

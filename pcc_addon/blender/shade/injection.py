@@ -144,7 +144,8 @@ def _build_probes(
 ) -> dict[str, ShownProbe]:
     """The groups of all baked probes, with the levels that the plan wants; what fails becomes a note.
 
-    Unless the whole scene is injected, other materials may choose between a probe and others though none is to any more.
+    Unless the whole scene is injected, other materials may choose between a probe and others, which none is to any
+    more.
     """
     shown = {}
     objects = {probe.name: probe for probe in all_probes(scene)}
