@@ -24,8 +24,10 @@ class Belongings:
 
     Attributes:
         owners: by material, by probe, by object: how much of it the probe has, about 0 … 1.
-        leaving: by probe: the materials of objects that belong to it and reach beyond its box and padding.
-        touching: by probe: the materials of objects that belong to it and reach to its box or beyond.
+        leaving: by probe: the materials of objects that may show it and reach beyond its influence box and padding.
+        touching: by probe: the materials of objects that may show it and reach to its box or beyond.
+        beyond: by probe: those of `touching` whose objects reach beyond its box.
+        strays: by material, by object: the probes that it reaches, where it would show others too if its material does.
         needs: by material, by object: the probes that its points may show, those that it hardly reaches included.
         refused: by material, by object: the probes whose influence it reaches and that it is not to show.
         refusing: by probe: the objects in its influence that are not to show it.
@@ -35,6 +37,8 @@ class Belongings:
     owners: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
     leaving: dict[str, set[str]] = field(default_factory=dict)
     touching: dict[str, set[str]] = field(default_factory=dict)
+    beyond: dict[str, set[str]] = field(default_factory=dict)
+    strays: dict[str, dict[str, set[str]]] = field(default_factory=dict)
     needs: dict[str, dict[str, set[str]]] = field(default_factory=dict)
     refused: dict[str, dict[str, set[str]]] = field(default_factory=dict)
     refusing: dict[str, set[str]] = field(default_factory=dict)
@@ -54,18 +58,31 @@ def belongings(
     if not probes or not placements:
         return found
     lows, highs = _bounds(probes)
+    margin = handover(max(probe.influence_falloff for probe in probes))
+    lows, highs = lows - margin, highs + margin
     for placement in placements:
         low, high = placement.corners.min(0), placement.corners.max(0)
         near = ((lows <= high) & (highs >= low)).all(1).nonzero()[0].tolist()
         reached = [probes[k] for k in near if probes[k].overlaps(placement.corners)]
         accepted = [probe for probe in reached if probe.influence.accepts(placement.object)]
-        _note_refused(found, placement, [probe.name for probe in reached if probe not in accepted])
+        refused = [probe.name for probe in reached if probe not in accepted]
+        _note_refused(found, placement, refused)
         reached = accepted
         shares = {probe.name: _share(probe, placement.corners) for probe in reached}
+        moves = placement.object in moving
         if not shares:
+            _note_stray(found, placement, [])
             continue
         best = min(shares, key=lambda name: (-round(shares[name][0], 6), round(shares[name][1], 6), name))
-        needed = _needed(next(probe for probe in reached if probe.name == best), reached, placement.corners)
+        own = next(probe for probe in reached if probe.name == best)
+        needed = _needed(own, reached, placement.corners)
+        whole = not moves and _has_all_of(own, placement.corners)
+        if not whole:
+            _note_stray(found, placement, [probe.name for probe in reached])
+        for probe in (probes[k] for k in near):
+            kept_out = whole and probe is not own and _keeps_out(probe, own, placement.corners)
+            if not (kept_out or probe.name in refused):
+                _note_reach(found, probe, placement, moves)
         for probe in reached:
             share, distance = shares[probe.name]
             if probe.name != best and share < _SHARE and _fills(probe, placement.corners) < _FILLED:
@@ -76,12 +93,36 @@ def belongings(
                     found.fixed.setdefault(material, set()).add(placement.object)
                 tally = found.owners.setdefault(material, {}).setdefault(probe.name, {})
                 tally[placement.object] = tally.get(placement.object, 0.0) + share + 1e-3 / (1.0 + distance)
-            moves = placement.object in moving
-            if moves or not probe.contains(placement.corners):
-                found.leaving.setdefault(probe.name, set()).update(placement.materials)
-            if moves or not probe.keeps_clear_of(placement.corners):
-                found.touching.setdefault(probe.name, set()).update(placement.materials)
     return found
+
+
+def _note_reach(found: Belongings, probe: ProbeSpec, placement: PlacementReading, moves: bool) -> None:
+    """Note how far an object that may show a probe reaches."""
+    for reached, inside in (
+        (found.leaving, probe.contains),
+        (found.touching, probe.keeps_clear_of),
+        (found.beyond, probe.holds),
+    ):
+        if moves or not inside(placement.corners):
+            reached.setdefault(probe.name, set()).update(placement.materials)
+
+
+def _note_stray(found: Belongings, placement: PlacementReading, reached: Sequence[str]) -> None:
+    for material in placement.materials:
+        known = found.strays.setdefault(material, {})
+        known[placement.object] = known.get(placement.object, set(reached)) & set(reached)
+
+
+def _has_all_of(probe: ProbeSpec, corners: np.ndarray) -> bool:
+    """Whether a probe has all of each point of an object, and leaves nothing to probes that are shown below it."""
+    influence = probe.influence
+    full = influence.weight >= 1.0 and influence.normal_fade <= 0.0
+    return full and not probe.animated and probe.contains(corners)
+
+
+def _keeps_out(probe: ProbeSpec, own: ProbeSpec, corners: np.ndarray) -> bool:
+    """Whether a probe has no share of an object that is all in the influence of its own one."""
+    return are_apart(own, probe) and not probe.nears(corners, handover(own.influence_falloff))
 
 
 def _note_refused(found: Belongings, placement: PlacementReading, probes: Sequence[str]) -> None:

@@ -45,7 +45,12 @@ class Effect(Enum):
     ROUGHNESS = "roughness", "Varying Roughness", "Mix all levels by the roughness at each point"
     BENT_NORMALS = "bent_normals", "Bent Normals", "Bend normals that would mirror the view into the surface", False
     OWN_LOBE = "own_lobe", "Own Lobe where Rough", "Hand over to the own lobe above the roughness limit", False
-    BY_PLACE = "by_place", "Several Probes by Place", "Choose between several probes at each point of the material"
+    BY_PLACE = (
+        "by_place",
+        "Several Probes by Place",
+        "Choose between several probes at each point of the material",
+        False,
+    )
 
 
 OF_PROBES = (

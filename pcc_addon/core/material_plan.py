@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from .belonging import Belongings
@@ -28,6 +29,7 @@ class MaterialPlan:
         reasons: why these probes, or why none, in words.
         emits: whether it is a light of its own.
         decisions: what each effect of the material as a whole was decided to be.
+        strays: probes that it shows on objects which are not in their influence, and not all in another's.
     """
 
     material: str
@@ -37,6 +39,7 @@ class MaterialPlan:
     reasons: tuple[str, ...]
     emits: bool = False
     decisions: tuple[Decision, ...] = ()
+    strays: frozenset[str] = frozenset()
 
     @property
     def probes(self) -> tuple[str, ...]:
@@ -85,9 +88,10 @@ def plan_material(
     several = f"its objects are in {len(ranked)} probes" if len(ranked) > 1 else "its objects are in one probe"
     told = "its objects show copies of it" if division.parts else several
     by_place = material.forced.decide(Effect.BY_PLACE, any(map(division.blends, division.probes)), told)
-    if by_place.forced:
-        shown = ranked[: fitting if by_place.on else 1]
-        division = Division(tuple(shown), (), tuple(ranked[fitting:]) if by_place.on else ())
+    if by_place.forced and not by_place.on:
+        division = Division(tuple(ranked[:1]))
+    elif by_place.forced:
+        division = divide(ranked, needs, refused, found.fixed.get(material.name, ()), fitting, together=len(ranked))
     objects = sorted((item, probe) for probe in division.probes for item in owners.get(probe, ()))
     reasons = []
     if division.parts:
@@ -95,7 +99,23 @@ def plan_material(
     if division.dropped:
         dropped = named(division.dropped)
         reasons.append(f"shows {fitting} probes and not {dropped}: EEVEE reads no more pictures in one material")
-    return MaterialPlan(material.name, division, tuple(objects), surfaces, tuple(reasons), material.emits, (by_place,))
+    return MaterialPlan(
+        material.name,
+        division,
+        tuple(objects),
+        surfaces,
+        tuple(reasons),
+        material.emits,
+        (by_place,),
+        _strays(division, found.strays.get(material.name, {})),
+    )
+
+
+def _strays(division: Division, reached: Mapping[str, Collection[str]]) -> frozenset[str]:
+    """The probes that objects show beside those that they reach."""
+    worn = {item: part.probes for part in division.parts for item in part.objects}
+    shown = ((worn.get(item, division.kept), probes) for item, probes in reached.items())
+    return frozenset(probe for some, probes in shown for probe in some if probe not in probes)
 
 
 def _pictures_read(surface: SurfacePlan, hardening: bool) -> int:

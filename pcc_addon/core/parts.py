@@ -53,6 +53,7 @@ def divide(
     refused: Mapping[str, Collection[str]],
     fixed: Collection[str],
     fitting: int,
+    together: int = TOGETHER,
 ) -> Division:
     """Divide a material among its objects, if need be.
 
@@ -62,10 +63,11 @@ def divide(
         refused: by object: the probes whose influence it reaches and that it is not to show.
         fixed: objects that cannot wear a copy.
         fitting: how many probes one material can show.
+        together: how many it shows by place without being divided, if all objects may show them.
     """
     unwanted = any(probe in ranked for probes in refused.values() for probe in probes)
     sets = {item: _ranked(probes, ranked) for item, probes in needs.items()}
-    if not (unwanted or len(ranked) > TOGETHER) or len({*sets.values()}) < 2:
+    if not (unwanted or len(ranked) > together) or len({*sets.values()}) < 2:
         return Division(tuple(ranked[:fitting]), (), tuple(ranked[fitting:]))
     kept = _ranked({probe for item in fixed for probe in sets.get(item, ())}, ranked)
     objects: dict[tuple[str, ...], list[str]] = {}

@@ -280,14 +280,15 @@ class ProbeSpec:
         coordinates = self.box.coordinates(points)
         return ((coordinates >= -low) & (coordinates <= high)).all(-1)
 
-    def encloses(self, points: np.ndarray) -> bool:
-        """Whether world-space points (n, 3), and all between them, lie within the box and its padding."""
-        return bool((np.abs(self.box.coordinates(points)) <= self.box.half_widths + self.influence_padding).all())
-
     def keeps_clear_of(self, corners: np.ndarray) -> bool:
         """Whether world-space points (n, 3), and all between them, lie inside the box and apart from its walls."""
         reach = self.box.half_widths - 2.0 * self.boundary
         return bool((np.abs(self.box.coordinates(corners)) < reach).all())
+
+    def holds(self, corners: np.ndarray) -> bool:
+        """Whether world-space points (n, 3), and all between them, lie inside the box or on its walls."""
+        reach = self.box.half_widths + 2.0 * self.boundary
+        return bool((np.abs(self.box.coordinates(corners)) <= reach).all())
 
     @property
     def fading_reach(self) -> np.ndarray:

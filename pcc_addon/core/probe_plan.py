@@ -72,11 +72,15 @@ def plan_probe(
     """
     showing = [material.material for material in shown_by]
     shared = [m.material for m in shown_by if m.division.blends(spec.name)]
-    outside = [name for name in showing if name in found.leaving.get(spec.name, ())]
-    touching = [name for name in showing if name in found.touching.get(spec.name, ())]
+    strays = {material.material for material in shown_by if spec.name in material.strays}
+    outside, touching, beyond = (
+        [name for name in showing if name in strays | reached.get(spec.name, set())]
+        for reached in (found.leaving, found.touching, found.beyond)
+    )
     surfaces = [surface for material in shown_by for surface in material.served.values()]
     starting_aside = any(surface.effects is not None and surface.effects.transmits for surface in surfaces)
-    watched = bool(touching) and not _all_within(spec, scene.cameras)
+    # What reaches beyond a wall may turn its outer side to an eye in the box too, as a ball in a doorway does.
+    watched = bool(beyond) or (bool(touching) and not _all_within(spec, scene.cameras))
     receivers = Receivers(
         all_inside=not outside,
         seen_from_outside=watched,
@@ -147,6 +151,6 @@ def _levels(spec: ProbeSpec, shown_by: Sequence[MaterialPlan], reading: ProbeRea
 
 
 def _all_within(probe: ProbeSpec, cameras: Sequence[CameraReading]) -> bool:
-    """Whether all cameras are known to stay in a probe's box; False where there is none."""
+    """Whether all cameras are known to stay in a probe's box, off its walls; False where there is none."""
     places = [camera.place for camera in cameras if camera.place is not None]
-    return len(places) == len(cameras) > 0 and probe.encloses(np.array(places))
+    return len(places) == len(cameras) > 0 and probe.keeps_clear_of(np.array(places))

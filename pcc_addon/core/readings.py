@@ -205,7 +205,8 @@ class CameraReading:
 
     Attributes:
         name: the object's.
-        place: world space, metres; None where animation may move it.
+        place: where all of its rays start, world space, metres; None where animation may move it, or where they start
+            at several places, as those of an orthographic one do.
     """
 
     name: str

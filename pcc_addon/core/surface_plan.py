@@ -108,7 +108,9 @@ def _plan_surface(
     reasons = list(_refusals(surface, roughness, limit))
     if interface is Interface.VESSEL and surface.kind in KINDS and may_transmit(surface):
         reasons.append("is seen through, and other objects stand inside what it covers, which no probe could show")
-    effects = None if reasons or surface.kind not in KINDS else surface_effects(surface, interface)
+    # What reflects nothing shows nothing of a probe, whatever is forced on.
+    reflects = surface.kind in KINDS and surface_effects(given) is not None
+    effects = surface_effects(surface, interface) if reflects and not reasons else None
     low, high = (0.0, 1.0) if roughness is None else (min(max(roughness, 0.0), 1.0),) * 2
     if effects is None:
         off = () if reasons else tuple(_forced_away(given, interface, forced))
@@ -175,9 +177,9 @@ def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
     return replace(surface, inputs=kept, distribution=chosen.get(surface.distribution, surface.distribution))
 
 
-def _is(value: Value, without: Value) -> bool:
-    """Whether an input has the value without an effect; alpha does not count."""
-    return (value[:3] if isinstance(value, tuple) else value) == without
+def _is(value: Value, other: Value) -> bool:
+    """Whether two values are the same, apart from the alpha of colours."""
+    return value == other or (isinstance(value, tuple) and isinstance(other, tuple) and value[:3] == other[:3])
 
 
 _DECIDING: Mapping[Effect, Mapping[str, Value]] = {

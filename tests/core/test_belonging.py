@@ -58,7 +58,8 @@ def test_a_sliver_does_not_belong_to_the_neighbour(aside: float, expected: set[s
 def test_a_probe_far_away_has_nothing() -> None:
     found = belongings([spec("Hall"), spec("Attic", 50.0)], [placement("Table", "Wood")])
     assert owners(found) == {"Hall"}
-    assert belongings([spec("Hall")], [placement("Moon", "Wood", x=50.0)]) == Belongings()
+    far = belongings([spec("Hall")], [placement("Moon", "Wood", x=50.0)])
+    assert far == Belongings(strays={"Wood": {"Moon": set()}})
 
 
 @pytest.mark.parametrize(("gap", "reached"), [(0.2, True), (0.3, False)])

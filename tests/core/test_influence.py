@@ -150,7 +150,7 @@ def test_the_influence_decides_what_is_inside_and_the_box_what_is_enclosed() -> 
     at = {x: np.array([[x, 0.0, 0.0]]) for x in (-2.6, -1.6, -1.2, -0.9, 1.9, 4.9, 5.2, 5.6)}
     assert [x for x, point in at.items() if spec.contains(point)] == [-0.9, 1.9, 4.9]
     assert [x for x, point in at.items() if spec.overlaps(point)] == [-1.2, -0.9, 1.9, 4.9, 5.2]
-    assert [x for x, point in at.items() if spec.encloses(point)] == [-1.6, -1.2, -0.9, 1.9]
+    assert [x for x, point in at.items() if spec.holds(point)] == [-1.6, -1.2, -0.9, 1.9]
 
 
 def test_who_shows_a_probe_is_said_by_receivers_and_excluded() -> None:

@@ -324,7 +324,7 @@ class BakeJob:
 
     def _show(self, probe: bpy.types.Object, plan: ProbePlan) -> None:
         """Let everything that shows a probe show its new bake."""
-        refresh_group(probe, plan.receivers, plan.shares)
+        refresh_group(probe, plan.receivers, plan.shares or None)  # twins may choose until the next injection
         interior.follow_bake(probe)
         by_hand.refresh(probe)
 

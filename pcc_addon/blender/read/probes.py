@@ -178,13 +178,40 @@ def is_animated(item: bpy.types.Object | None) -> bool:
 
 
 def is_moving(item: bpy.types.Object) -> bool:
-    """Whether an object, or what its surface is made of, may be elsewhere at another frame."""
+    """Whether an object, or what its surface is made of, may be elsewhere at another frame or in a render."""
+    return _is_moving(item, frozenset())
+
+
+def _is_moving(item: bpy.types.Object, above: frozenset[str]) -> bool:
+    if item.name_full in above:
+        return False
+    above |= {item.name_full}
     keys = getattr(item.data, "shape_keys", None)
-    bent = any(
-        modifier.type in _BENDING or (modifier.type == "NODES" and _may_move(modifier.node_group, frozenset()))
-        for modifier in item.modifiers
-    )
-    return bent or is_animated(item) or any(_has_curves(owner) for owner in (item.data, keys) if owner)
+    simulated = item.rigid_body is not None and item.rigid_body.type == "ACTIVE"
+    if simulated or is_animated(item) or any(_has_curves(owner) for owner in (item.data, keys) if owner):
+        return True
+    if any(_displaces(slot.material) for slot in item.material_slots if slot.material):
+        return True
+    if item.parent is not None and item.parent.rigid_body is not None:
+        return _is_moving(item.parent, above)
+    return any(_bends(modifier, above) for modifier in item.modifiers)
+
+
+def _bends(modifier: bpy.types.Modifier, above: frozenset[str]) -> bool:
+    """Whether a modifier may give something else at another frame, by itself or by an object that it looks at."""
+    if modifier.type in _BENDING or (modifier.type == "NODES" and _may_move(modifier.node_group, frozenset())):
+        return True
+    pointers = (p.identifier for p in modifier.bl_rna.properties if p.type == "POINTER")
+    seen = (getattr(modifier, name) for name in pointers)
+    return any(isinstance(other, bpy.types.Object) and _is_moving(other, above) for other in seen)
+
+
+def _displaces(material: bpy.types.Material) -> bool:
+    """Whether renders may move a surface of a material to where no mesh shows it."""
+    if material.displacement_method == "BUMP" or material.node_tree is None:
+        return False
+    outputs = (node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
+    return any(node.inputs["Displacement"].is_linked for node in outputs)
 
 
 _BENDING = {"ARMATURE", "HOOK", "LATTICE", "MESH_DEFORM", "SURFACE_DEFORM", "MESH_CACHE", "MESH_SEQUENCE_CACHE"} | {

@@ -43,16 +43,20 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
         cameras=_cameras(scene),
         walls=tuple(_walls(view_layer, clear)) if clear else (),
         facets=tuple(_facets(scene, view_layer, sharp)) if sharp and probes else (),
-        animated=frozenset(o.name_full for o in scene.objects if is_moving(o)),
+        animated=frozenset(_moving(scene, view_layer)),
     )
 
 
 def _cameras(scene: bpy.types.Scene) -> tuple[CameraReading, ...]:
     found = {o.name: o for o in (scene.camera, *(marker.camera for marker in scene.timeline_markers)) if o}
-    places = {
-        n: None if is_animated(o) else tuple(float(c) for c in o.matrix_world.translation) for n, o in found.items()
-    }
-    return tuple(CameraReading(name, places[name]) for name in sorted(found))
+    return tuple(CameraReading(name, _place(found[name], scene)) for name in sorted(found))
+
+
+def _place(camera: bpy.types.Object, scene: bpy.types.Scene) -> tuple[float, float, float] | None:
+    parallel = camera.type == "CAMERA" and camera.data.type == "ORTHO"
+    if parallel or is_animated(camera) or scene.render.use_multiview:
+        return None
+    return tuple(float(c) for c in camera.matrix_world.translation)
 
 
 def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers: OtherReaders) -> ProbeReading:
@@ -137,6 +141,18 @@ def _shown_instances(view_layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Deps
     for instance in _depsgraph(view_layer).object_instances:
         if instance.object.type in _SURFACES and not instance.object.hide_render:
             yield instance
+
+
+def _moving(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Iterator[str]:
+    """Names of what may be elsewhere at another frame: of objects, and of those that moving ones make instances of."""
+    known = {item.name_full: is_moving(item) for item in scene.objects}
+    yield from (name for name, moves in known.items() if moves)
+    for instance in _depsgraph(view_layer).object_instances:
+        if instance.is_instance:
+            makers = (instance.parent.original, instance.object.original)
+            known |= {item.name_full: is_moving(item) for item in makers if item.name_full not in known}
+            if any(known[item.name_full] for item in makers):
+                yield makers[1].name_full
 
 
 def _is_fixed(item: bpy.types.Object, shown: tuple[str, ...]) -> bool:

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from ...core.readings import WallReading
+from .. import marks
 
 
 def read_wall(evaluated: bpy.types.Object, matrix: np.ndarray, material: bpy.types.Material) -> WallReading | None:
@@ -27,7 +28,7 @@ def read_wall(evaluated: bpy.types.Object, matrix: np.ndarray, material: bpy.typ
 
 def _indices(evaluated: bpy.types.Object, mesh: bpy.types.Mesh, material: bpy.types.Material) -> set[int]:
     slots = [slot.material for slot in evaluated.material_slots] or list(mesh.materials)
-    return {k for k, used in enumerate(slots) if used is not None and used.original == material}
+    return {k for k, used in enumerate(slots) if used is not None and marks.original(used.original) == material}
 
 
 def _triangles(mesh: bpy.types.Mesh, indices: set[int]) -> np.ndarray:

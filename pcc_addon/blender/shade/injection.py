@@ -57,7 +57,7 @@ def inject(
     reading = read_scene(scene, view_layer)
     plan = make_plan(reading)
     notes = list(plan.notes)
-    shown = _build_probes(scene, reading, plan, notes)
+    shown = _build_probes(scene, reading, plan, notes, whole=objects is None)
     if not shown:
         raise PccError(notes[0] if notes else f"scene '{scene.name}' has no probe; add one and bake it")
     specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
@@ -116,7 +116,7 @@ def show_anew(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, material:
 def _show_some(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, some: Mapping[str, bpy.types.Material]) -> None:
     reading = read_scene(scene, view_layer)
     plan = make_plan(reading)
-    shown = _build_probes(scene, reading, plan, [])
+    shown = _build_probes(scene, reading, plan, [], whole=False)
     specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
     for material_plan in plan.materials:
         material = some.get(material_plan.material)
@@ -155,8 +155,14 @@ def order_of(
     return TwinOrder(ordered, plan.served, plan.emits)
 
 
-def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, notes: list[str]) -> dict[str, ShownProbe]:
-    """The groups of all baked probes, with the levels that the plan wants; what fails becomes a note."""
+def _build_probes(
+    scene: bpy.types.Scene, reading: SceneReading, plan: Plan, notes: list[str], *, whole: bool
+) -> dict[str, ShownProbe]:
+    """The groups of all baked probes, with the levels that the plan wants; what fails becomes a note.
+
+    Unless the whole scene is injected, other materials may choose between a probe and others, which none is to any
+    more.
+    """
     shown = {}
     objects = {probe.name: probe for probe in all_probes(scene)}
     folder = bake_folder(scene)
@@ -170,7 +176,7 @@ def _build_probes(scene: bpy.types.Scene, reading: SceneReading, plan: Plan, not
             continue
         try:
             ensure_levels(probe, probe_plan.roughnesses, folder)
-            refresh_group(probe, probe_plan.receivers, probe_plan.shares)
+            refresh_group(probe, probe_plan.receivers, probe_plan.shares or (False if whole else None))
             by_hand.refresh(probe)
             lacking = bake_record(probe).lacks(probe_plan.shown_faces)
         except PccError as error:

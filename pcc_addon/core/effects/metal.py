@@ -73,7 +73,7 @@ class Metal:
         metal = metallic_reflectance(shading, SPECULAR_TINT if self.tinted else None)
         mixed = metal * METALLIC if self.pure else mix(shading.reflectance, metal, METALLIC)
         rest = 1.0 - METALLIC
-        left = shading.left * (1.0 - METALLIC * (1.0 - CAPTURED * MATT))
+        left = CAPTURED * MATT * METALLIC + shading.left * rest
         return replace(shading, reflectance=mixed, transmittance=shading.transmittance * rest, left=left)
 
 
