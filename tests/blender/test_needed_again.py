@@ -43,7 +43,7 @@ def room(scene: bpy.types.Scene) -> bpy.types.Object:
     update()
     assert said() == {}
     found = on()
-    assert found == {Effect.PARALLAX, Effect.DIELECTRIC}, found
+    assert found == {Effect.PARALLAX, Effect.DIELECTRIC, Effect.FACES}, found  # a table mirrors up and down
     return probe
 
 
@@ -391,7 +391,7 @@ ROWS = [
     row(moving_instance, Effect.FADE, Effect.OUTER_SIDES, Effect.WALLS),
     row(displaced, Effect.FADE, Effect.OUTER_SIDES, Effect.WALLS),
     row(limit, Effect.OWN_LOBE),
-    *(row(forced(effect), effect) for effect in Effect if effect.lossless),
+    *(row(forced(effect), effect) for effect in Effect if effect.lossless and effect is not Effect.FACES),
 ]
 
 
