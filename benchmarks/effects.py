@@ -30,8 +30,8 @@ from pcc_addon.core.decisions import Effect
 from pcc_addon.core.probe import Engine
 from sample_blends import any_cubemap, glass, moving, scenes, two_rooms
 
-ROUNDS = 7
-SAMPLES = {Engine.CYCLES: 48, Engine.EEVEE: 16}
+ROUNDS = 5
+SAMPLES = {Engine.CYCLES: 48, Engine.EEVEE: 4}
 COMMAND = "python3 dev.py run benchmarks/effects.py"
 
 
@@ -47,7 +47,7 @@ def main() -> None:
     write_page("effects.md", "What effects cost, and what leaving them out saves", COMMAND, text)
 
 
-_ABOUT = """Measured on {where}. A frame of 480 × 270 pixels shows nothing but a table of one glossy material in a room
+_ABOUT = """Measured on {where}. A frame of 320 × 180 pixels shows nothing but a table of one glossy material in a room
 of glowing walls; each row is the median of alternating renders, with the effect ÷ without it. Where the scene does not
 need the effect it is forced on and compared with being left out; where it does, with being forced off. "Nodes" is how
 many more the material evaluates, groups counted as often as they are used."""

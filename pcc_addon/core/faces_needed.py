@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .cubemap import FACE_NAMES
+from .decisions import Effect
 from .effects.records import Correction, LookupEffects, Outside
 from .effects.surface import Ray
+from .material_plan import MaterialPlan
 from .pictures import LADDER
 from .prefilter import mixed_within
 from .probe import ProbeSpec
+from .probe_plan import ProbePlan
 from .reach import Facets, reachable
 from .readings import MaterialReading, ProbeReading, SceneReading
-
-if TYPE_CHECKING:
-    from .material_plan import MaterialPlan
-    from .probe_plan import ProbePlan
-    from .surface_plan import SurfacePlan
+from .surface_plan import SurfacePlan
 
 
 @dataclass(frozen=True)
@@ -127,6 +125,15 @@ class FaceNeeds:
             elsewhere = all(any(other.contains(at) for other in theirs) for at in places)
             if item in here or not elsewhere:
                 yield item
+
+
+def with_faces(plan: ProbePlan, faces: FaceNeeds, reading: ProbeReading, shown_by: Sequence[MaterialPlan]) -> ProbePlan:
+    """The plan of a probe with the faces that its bake must capture."""
+    needed = faces.of(plan, reading, shown_by)
+    assert reading.spec is not None
+    decision = reading.spec.forced.decide(Effect.FACES, needed.captured == FACE_NAMES, needed.reason)
+    captured = FACE_NAMES if decision.on else needed.captured
+    return replace(plan, faces=captured, shown_faces=needed.shown, decisions=(*plan.decisions, decision))
 
 
 def _looks_anywhere(lookup: LookupEffects) -> bool:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from .belonging import belongings, vessels
 from .effects.transmission import Interface
-from .faces_needed import FaceNeeds
+from .faces_needed import FaceNeeds, with_faces
 from .material_plan import MaterialPlan, plan_material
-from .probe_plan import ProbePlan, plan_probe, with_faces
+from .probe_plan import ProbePlan, plan_probe
 from .readings import SceneReading
 from .surface_plan import plan_surfaces
 

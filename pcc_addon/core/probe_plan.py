@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from .belonging import Belongings
 from .cubemap import FACE_NAMES
 from .decisions import Decision, Effect
 from .effects.records import LookupEffects
-from .faces_needed import FaceNeeds
 from .lookup_plan import Receivers, plan_lookup
 from .material_plan import MaterialPlan
 from .pictures import LADDER, PictureKey, PictureKind
@@ -109,15 +108,6 @@ def plan_probe(
     pictures = tuple(PictureKey(PictureKind.RADIANCE, level) for level in levels)
     decisions = (*lookup.decisions, decision)
     return ProbePlan(spec.name, receivers, bool(shared), lookup.effects, pictures, tuple(reasons), decisions, unneeded)
-
-
-def with_faces(plan: ProbePlan, faces: FaceNeeds, reading: ProbeReading, shown_by: Sequence[MaterialPlan]) -> ProbePlan:
-    """The plan of a probe with the faces that its bake must capture."""
-    needed = faces.of(plan, reading, shown_by)
-    assert reading.spec is not None
-    decision = reading.spec.forced.decide(Effect.FACES, needed.captured == FACE_NAMES, needed.reason)
-    captured = FACE_NAMES if decision.on else needed.captured
-    return replace(plan, faces=captured, shown_faces=needed.shown, decisions=(*plan.decisions, decision))
 
 
 def _unneeded(spec: ProbeSpec, found: Belongings, scene: SceneReading, reading: ProbeReading) -> str:
