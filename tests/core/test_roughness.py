@@ -46,3 +46,11 @@ def test_levels_are_called_by_number_and_formulas_by_their_rungs() -> None:
     assert level_name(3) == "Level 3"
     assert mixed_formula((0.1, 0.16)).title == "Levels, 0.1 0.16"
     assert mixed_formula((0.1, 0.16)) is mixed_formula((0.1, 0.16))
+
+
+def test_a_rung_in_single_precision_is_that_rung() -> None:
+    rungs = (0.0, 0.05, 0.1, 0.6)
+    for k, rung in enumerate(rungs):
+        single = float(np.float32(rung))
+        assert neighbours(rungs, single, single) == neighbours(rungs, rung, rung) == range(k, k + 1)
+    assert neighbours(rungs, 0.0501, 0.0501) == range(1, 3) and neighbours(rungs, 0.0499, 0.0499) == range(2)

@@ -25,10 +25,16 @@ def rung_name(roughness: float) -> str:
 
 
 def neighbours(rungs: Sequence[float], low: float, high: float) -> range:
-    """The levels that surfaces of roughness `low` … `high` read, of a ladder of ascending roughnesses."""
-    first = max(bisect_right(rungs, low) - 1, 0)
-    last = min(bisect_left(rungs, high), len(rungs) - 1)
+    """The levels that surfaces of roughness `low` … `high` read, of a ladder of ascending roughnesses.
+
+    A roughness that is a rung but for rounding reads that alone.
+    """
+    first = max(bisect_right(rungs, low * (1.0 + _ROUNDING)) - 1, 0)
+    last = min(bisect_left(rungs, high * (1.0 - _ROUNDING)), len(rungs) - 1)
     return range(first, max(first, last) + 1)
+
+
+_ROUNDING = 1e-6  # what sockets in single precision, and a product with a narrowing, may add
 
 
 def mixed(rungs: Sequence[float], roughness: Expr) -> Expr:
