@@ -91,12 +91,14 @@ class Comparison:
     Attributes:
         pruned, whole: (frames, h, w, 3) what is seen with the effects that are needed, and with all.
         pictures, all_pictures: the probes' pictures of either bake.
+        probe_pictures: those of a bake with all effects of probes, and those of materials as they are needed.
     """
 
     pruned: np.ndarray
     whole: np.ndarray
     pictures: Pictures
     all_pictures: Pictures
+    probe_pictures: Pictures
 
     @property
     def difference(self) -> np.ndarray:
@@ -132,9 +134,21 @@ class Comparison:
 
     @property
     def changed_pictures(self) -> list[tuple[str, float]]:
-        """Those of the first bake that are not bit for bit the same, or not there, in the second."""
-        there = self.all_pictures
-        return [key for key, one in self.pictures.items() if key not in there or not np.array_equal(one, there[key])]
+        """Those of the first bake that are not bit for bit the same, or not there, with all effects of probes.
+
+        Captures show what surfaces leave to their diffuse base, which effects of materials round otherwise.
+        """
+        return changed(self.pictures, self.probe_pictures)
+
+    @property
+    def rounded_pictures(self) -> float:
+        """How far those of the first bake are from those of the second, over the brighter of a texel and the mean."""
+        errors = [0.0]
+        for key, one in self.pictures.items():
+            other = self.all_pictures[key]
+            scale = np.maximum(np.abs(other), other.mean())
+            errors.append(float((np.abs(one - other) / np.maximum(scale, 1e-30)).max()))
+        return max(errors)
 
     def write(self, folder: Path) -> None:
         """Both pictures and their difference as EXR files, a file for each frame."""
@@ -163,7 +177,19 @@ def compare(
     bake_all()
     put_in()
     check_all_on()
-    return Comparison(pruned, seen(frames, engine, samples), pictures, baked())
+    whole, all_pictures = seen(frames, engine, samples), baked()
+    probe_pictures = all_pictures
+    if changed(pictures, all_pictures):
+        force(OF_MATERIALS, "AUTO")
+        put_in()
+        bake_all()
+        probe_pictures = baked()
+    return Comparison(pruned, whole, pictures, all_pictures, probe_pictures)
+
+
+def changed(some: Pictures, others: Pictures) -> list[tuple[str, float]]:
+    """The pictures that are not there, or not bit for bit the same, among others."""
+    return [key for key, one in some.items() if key not in others or not np.array_equal(one, others[key])]
 
 
 def check_all_on() -> None:
