@@ -395,7 +395,7 @@ ROWS = [
 ]
 
 
-@pytest.mark.parametrize("live", [True, False], ids=["live", "unseen"])
+@pytest.mark.parametrize("live", [True, pytest.param(False, marks=pytest.mark.heavy)], ids=["live", "unseen"])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.change.__name__)
 def test_what_is_needed_again_is_shown_or_said(room: bpy.types.Object, row: Row, live: bool) -> None:
     """Whether shaders follow the edit at once, or nothing of ours runs meanwhile, as where a script makes it."""
