@@ -13,7 +13,7 @@ from .effects.metal import Metal, TintedMetal
 from .effects.multiscatter import Multiscatter
 from .effects.roughness import neighbours
 from .effects.surface import Ray, SurfaceEffects, surface_effects
-from .effects.thin_film import ThinFilm
+from .effects.thin_film import ThinFilm, is_coated
 from .effects.transmission import Interface
 from .pictures import LADDER
 from .readings import MaterialReading, SurfaceReading, Value
@@ -168,7 +168,8 @@ def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
     if Effect.DIELECTRIC in forced.off:
         changed["Specular IOR Level"] = 0.0
     elif Effect.DIELECTRIC in forced.on and surface.has("Metallic") and surface.value("Metallic") != 0.0:
-        changed["Metallic"] = None
+        keeps_film = surface.films_on_both or not is_coated(surface)  # the metal's, that is
+        changed["Metallic"] = None if keeps_film else surface.value("Metallic")
     if Effect.ROUGHNESS in forced.off:
         changed["Roughness"] = 0.0
     kept = tuple((name, changed.get(name, value)) for name, value in surface.inputs)

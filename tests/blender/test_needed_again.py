@@ -395,7 +395,7 @@ ROWS = [
 ]
 
 
-@pytest.mark.parametrize("live", [True, False], ids=["live", "unseen"])
+@pytest.mark.parametrize("live", [True, pytest.param(False, marks=pytest.mark.heavy)], ids=["live", "unseen"])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.change.__name__)
 def test_what_is_needed_again_is_shown_or_said(room: bpy.types.Object, row: Row, live: bool) -> None:
     """Whether shaders follow the edit at once, or nothing of ours runs meanwhile, as where a script makes it."""
@@ -416,3 +416,15 @@ def test_what_is_needed_again_is_shown_or_said(room: bpy.types.Object, row: Row,
     assert is_shown()
     left = statuses(bpy.context.scene, bpy.context.view_layer)
     assert not [status.words for status in left if (status.state != "baked" and not status.unneeded) or status.outdated]
+
+
+@pytest.mark.parametrize("change", [far_away, out_of_the_box], ids=lambda change: change.__name__)
+def test_a_material_that_no_probe_reaches_any_more_is_said_after_a_bake_too(room: bpy.types.Object, change) -> None:
+    """The bake's groups are made for what is to show the probe, which the material is not, or no more like this."""
+    change()
+    update()
+    bake(room)
+    update()
+    assert "Table" in said().get("Hall", "") or is_shown()
+    put_in()
+    assert is_shown()

@@ -15,6 +15,7 @@ from pcc_addon.core.effects.multiscatter import Multiscatter
 from pcc_addon.core.effects.records import Correction, Outside
 from pcc_addon.core.effects.transmission import Interface
 from pcc_addon.core.ggx import Distribution
+from pcc_addon.core.influence import Influence
 from pcc_addon.core.material_plan import MaterialPlan
 from pcc_addon.core.pictures import LADDER, PictureKey, PictureKind
 from pcc_addon.core.plan import make_plan
@@ -464,6 +465,63 @@ def test_a_wall_on_the_box_is_looked_at_from_outside_unless_all_cameras_stay_in(
     words = "surfaces of 'Wood' lie on its box and may be seen" if watched else "no surface on its box is seen"
     said = decision(plan, Effect.OUTER_SIDES)
     assert said.on is watched and said.why == f"{words} from outside"
+
+
+def test_what_reaches_beyond_a_wall_may_turn_its_outer_side_to_a_camera_in_the_box() -> None:
+    inside = (CameraReading("Camera", (0.0, 0.0, 0.0)),)
+    assert not probe_plan(WALL, cameras=inside).lookup.facing
+    assert probe_plan(placement("Wall", "Wood", x=1.505), cameras=inside).lookup.facing, "within the padding"
+
+
+def test_a_camera_on_a_wall_or_in_the_padding_is_not_inside() -> None:
+    for x, watched in ((1.9, False), (2.0, True), (2.005, True)):
+        assert probe_plan(WALL, cameras=(CameraReading("Camera", (x, 0.0, 0.0)),)).lookup.facing is watched, x
+
+
+def test_an_object_elsewhere_that_shows_the_probe_makes_it_fade() -> None:
+    """Its material shows the probe wherever it is worn."""
+    table, moon = placement("Table", "Wood"), placement("Moon", "Wood", x=50.0)
+    assert probe_plan(table).lookup.outside is None
+    plan = probe_plan(table, moon)
+    assert plan.lookup.outside is not None and plan.lookup.facing and plan.lookup.on_walls
+
+
+@pytest.mark.parametrize(("settings", "fades"), [({}, False), ({"weight": 0.5}, True), ({"normal_fade": 0.3}, True)])
+def test_an_object_that_is_all_in_its_own_room_asks_nothing_of_the_other(settings: dict, fades: bool) -> None:
+    """Unless its own probe leaves something, of which the other, whose box it is not in, would have a part."""
+    probes = (probe("A"), probe("B", 10.0, influence=Influence(**settings)))
+    placed = (placement("Here", "Wood"), placement("There", "Wood", x=10.0))
+    plan = make_plan(SceneReading("Scene", probes, (material("Wood"),), placed)).probe("A")
+    assert plan.shares and (plan.lookup.outside is not None) is fades
+
+
+def test_forcing_several_by_place_shows_nothing_on_objects_that_are_not_to_show_it() -> None:
+    both = Forced(on=frozenset({Effect.BY_PLACE}))
+    hall = probe("Hall", influence=Influence(excluded=frozenset({"Vase"})))
+    placed = (placement("Table", "Wood", x=0.8), placement("Vase", "Wood", x=-0.8))
+    for forced in (Forced(), both):
+        scene = SceneReading("Scene", (hall,), (material("Wood", forced=forced),), placed)
+        [plan] = make_plan(scene).materials
+        [part] = plan.division.parts
+        assert part.objects == ("Table",) and plan.division.kept == ()
+
+
+def test_what_is_lossless_can_be_forced_on_a_surface_as_read() -> None:
+    lossless = Forced(on=frozenset(effect for effect in Effect if effect.lossless))
+    [plan] = plan_surfaces(material("Wood", surface(Metallic=1.0), forced=lossless), 0.6)
+    forced = {Effect.METAL, Effect.TINT, Effect.DIELECTRIC, Effect.ROUGHNESS}
+    assert forced <= {decision.effect for decision in plan.decisions if decision.on}
+    [matt] = plan_surfaces(material("Wood", surface(Specular_IOR_Level=0.0), forced=lossless), 0.6)
+    assert matt.effects is None, "what reflects nothing shows nothing"
+
+
+def test_a_metal_keeps_its_film_where_there_is_no_room_for_both() -> None:
+    forced = Forced(on=frozenset({Effect.DIELECTRIC}))
+    film = surface(Metallic=1.0, Thin_Film_Thickness=400.0)
+    [plan] = plan_surfaces(material("Wood", replace(film, films_on_both=False), forced=forced), 0.6)
+    assert not decision(plan, Effect.DIELECTRIC).on
+    [plan] = plan_surfaces(material("Wood", film, forced=forced), 0.6)
+    assert decision(plan, Effect.DIELECTRIC).on
 
 
 def test_nobody_looks_at_an_object_in_the_middle_from_outside() -> None:

@@ -66,13 +66,28 @@ def put_in() -> None:
 
 
 def baked() -> Pictures:
-    """The pictures of all probes, by the probe's name and roughness."""
+    """The pictures of all probes, by the probe's name and roughness.
+
+    Where faces were left out captures are NaN, and what is blurred of them, which mixes guesses, is missing.
+    """
     found = {}
     for item in bpy.context.scene.objects:
         if item.pcc_probe.is_probe:
-            for level in item.pcc_probe.levels:
-                found[item.name, round(level.roughness, 4)] = read_pixels(level.image).copy()
+            lacking = bake_record(item).lacks(FACE_NAMES)
+            for level in item.pcc_probe.levels if not lacking else item.pcc_probe.levels[:1]:
+                picture = read_pixels(level.image).copy()
+                picture[np.isin(faces_of(picture), [FACE_NAMES.index(name) for name in lacking])] = np.nan
+                found[item.name, round(level.roughness, 4)] = picture
     return found
+
+
+def faces_of(picture: np.ndarray) -> np.ndarray:
+    """(h, 2h) int: in which of `FACES` each texel of an equirectangular picture lies."""
+    height = len(picture)
+    found = np.empty(2 * height * height, int)
+    for k, chosen, _, _ in find_faces(equirect.directions(2 * height, height).reshape(-1, 3)):
+        found[chosen] = k
+    return found.reshape(height, 2 * height)
 
 
 def seen(frames: Iterable[int], engine: Engine = Engine.CYCLES, samples: int | None = None) -> np.ndarray:
@@ -94,14 +109,14 @@ class Comparison:
     Attributes:
         pruned, whole: (frames, h, w, 3) what is seen with the effects that are needed, and with all.
         pictures, all_pictures: the probes' pictures of either bake.
-        captured: by probe the faces that the first bake has.
+        probe_pictures: those of a bake with all effects of probes, and those of materials as they are needed.
     """
 
     pruned: np.ndarray
     whole: np.ndarray
     pictures: Pictures
     all_pictures: Pictures
-    captured: dict[str, tuple[str, ...]]
+    probe_pictures: Pictures
 
     @property
     def difference(self) -> np.ndarray:
@@ -137,25 +152,21 @@ class Comparison:
 
     @property
     def changed_pictures(self) -> list[tuple[str, float]]:
-        """Those of the first bake that are not the same, or not there, in the second.
+        """Those of the first bake that are not bit for bit the same, or not there, with all effects of probes.
 
-        They may differ as colours that captures see may, which surfaces compute with more effects: by roundings.
-
-        Of probes that left out faces the captures are compared where faces are; what is blurred of them mixes guesses.
+        Captures show what surfaces leave to their diffuse base, which effects of materials round otherwise.
         """
-        changed = []
-        for (probe, roughness), one in self.pictures.items():
-            other = self.all_pictures.get((probe, roughness))
-            faces = self.captured[probe]
-            if other is not None and faces != FACE_NAMES:
-                if roughness > 0.0:
-                    continue
-                there = faces_of(one)
-                seen = np.isin(there, [FACE_NAMES.index(name) for name in faces])
-                one, other = one[seen], other[seen]
-            if other is None or np.abs(one - other).max() > ROUNDINGS * _HALF_ULP * other.max():
-                changed.append((probe, roughness))
-        return changed
+        return changed(self.pictures, self.probe_pictures)
+
+    @property
+    def rounded_pictures(self) -> float:
+        """How far those of the first bake are from those of the second, over the brighter of a texel and the mean."""
+        errors = [0.0]
+        for key, one in self.pictures.items():
+            other = self.all_pictures[key]
+            scale = np.maximum(np.abs(other), other.mean())
+            errors.append(float(np.nanmax(np.abs(one - other) / np.maximum(scale, 1e-30))))
+        return max(errors)
 
     def write(self, folder: Path) -> None:
         """Both pictures and their difference as EXR files, a file for each frame."""
@@ -164,18 +175,8 @@ class Comparison:
                 write_file(folder / f"{name} {k}.exr", picture.astype(np.float32))
 
 
-def faces_of(picture: np.ndarray) -> np.ndarray:
-    """(h, 2h) int: in which of `FACES` each texel of an equirectangular picture lies."""
-    height = len(picture)
-    found = np.empty(2 * height * height, int)
-    for k, chosen, _, _ in find_faces(equirect.directions(2 * height, height).reshape(-1, 3)):
-        found[chosen] = k
-    return found.reshape(height, 2 * height)
-
-
 TOLERANCE = 1e-5
 STEPS = len(LADDER) - 1
-ROUNDINGS = 8.0
 _HALF_ULP = 2.0**-24
 
 
@@ -187,8 +188,6 @@ def compare(
     bake_all()
     put_in()
     pruned, pictures = seen(frames, engine, samples), baked()
-    probes = [item for item in bpy.context.scene.objects if item.pcc_probe.is_probe]
-    captured = {probe.name: bake_record(probe).faces for probe in probes}
     force(LOSSLESS)
     for item in bpy.context.scene.objects:
         if item.pcc_probe.is_probe and item.pcc_probe.contact_hardening:
@@ -196,7 +195,24 @@ def compare(
     bake_all()
     put_in()
     check_all_on()
-    return Comparison(pruned, seen(frames, engine, samples), pictures, baked(), captured)
+    whole, all_pictures = seen(frames, engine, samples), baked()
+    probe_pictures = all_pictures
+    if changed(pictures, all_pictures):
+        force(OF_MATERIALS, "AUTO")
+        put_in()
+        bake_all()
+        probe_pictures = baked()
+    return Comparison(pruned, whole, pictures, all_pictures, probe_pictures)
+
+
+def changed(some: Pictures, others: Pictures) -> list[tuple[str, float]]:
+    """The pictures that are not there, or not bit for bit the same where they have texels, among others."""
+    found = []
+    for key, one in some.items():
+        there = ~np.isnan(one)
+        if key not in others or not np.array_equal(one[there], others[key][there]):
+            found.append(key)
+    return found
 
 
 def check_all_on() -> None:

@@ -187,14 +187,18 @@ def _is_moving(item: bpy.types.Object, above: frozenset[str]) -> bool:
         return False
     above |= {item.name_full}
     keys = getattr(item.data, "shape_keys", None)
-    simulated = item.rigid_body is not None and item.rigid_body.type == "ACTIVE"
-    if simulated or is_animated(item) or any(_has_curves(owner) for owner in (item.data, keys) if owner):
+    if _is_simulated(item) or is_animated(item) or any(_has_curves(owner) for owner in (item.data, keys) if owner):
         return True
     if any(_displaces(slot.material) for slot in item.material_slots if slot.material):
         return True
-    if item.parent is not None and item.parent.rigid_body is not None:
-        return _is_moving(item.parent, above)
     return any(_bends(modifier, above) for modifier in item.modifiers)
+
+
+def _is_simulated(item: bpy.types.Object | None) -> bool:
+    """Whether an object, or one of its parents, is a rigid body that falls."""
+    if item is None:
+        return False
+    return (item.rigid_body is not None and item.rigid_body.type == "ACTIVE") or _is_simulated(item.parent)
 
 
 def _bends(modifier: bpy.types.Modifier, above: frozenset[str]) -> bool:

@@ -49,6 +49,13 @@ def _late_materials(scene: SceneReading, plan: Plan, shown: Mapping[str, ShownPr
     materials = {material.name_full: material for material in bpy.data.materials}
     known = copies.all_copies()
     found: dict[str, list[str]] = {}
+    planned = {each.material for each in plan.materials}
+    names = {each.group: probe for probe, each in shown.items()}
+    for reading in scene.materials:
+        if reading.name not in planned and materials[reading.name].library is None:
+            for group in shown_probe_groups(materials[reading.name]):
+                if group in names:
+                    found.setdefault(names[group], []).append(reading.name)
     for each in plan.materials:
         material = materials[each.material]
         wanted = [probe for probe in each.probes if probe in shown]
