@@ -1,6 +1,8 @@
 """What each effect costs, and what leaving out those that a scene does not need saves.
 
-python3 dev.py run benchmarks/effects.py
+python3 dev.py run benchmarks/effects.py                      # the effects, then our samples
+python3 dev.py run benchmarks/effects.py effects              # the effects alone
+python3 dev.py run benchmarks/effects.py samples ROOM.blend   # the samples alone, and another file
 
 Writes docs/effects.md, and the table of costs that the plan and the panels show.
 """
@@ -15,49 +17,44 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from datetime import date
+from functools import partial
 from pathlib import Path
 from statistics import median
 
 import bpy
+import numpy as np
+from mathutils import Vector
 
 from benchmarks.effects_cases import CASES, Case, build, switch
-from benchmarks.measure import render, start, table, write_page
+from benchmarks.measure import ROOT, render, start, table, write_between
 from pcc_addon.blender import marks
 from pcc_addon.blender.bake.job import BakeJob
 from pcc_addon.blender.read.probes import all_probes
-from pcc_addon.core.costs import TABLE, Cost
+from pcc_addon.core.costs import TABLE, Cost, cost_table
 from pcc_addon.core.decisions import Effect
 from pcc_addon.core.probe import Engine
 from sample_blends import any_cubemap, glass, moving, scenes, two_rooms
 
-ROUNDS = 5
-SAMPLES = {Engine.CYCLES: 48, Engine.EEVEE: 4}
-COMMAND = "python3 dev.py run benchmarks/effects.py"
+ROUNDS = 3
+SAMPLES = {Engine.CYCLES: 32, Engine.EEVEE: 4}
+PAGE = ROOT / "docs" / "effects.md"
 
 
 def main() -> None:
     start()
-    costs = {case.effect.key: measure(case) for case in CASES}
-    costs |= measure_bakes()
-    where = f"{_processor()}, {os.cpu_count()} cores, Blender {bpy.app.version_string}, {date.today().isoformat()}"
-    document = {"where": where, "effects": {key: asdict(cost) for key, cost in costs.items()}}
-    TABLE.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
-    room = sys.argv[1] if len(sys.argv) > 1 else ""
-    text = "\n\n".join([_ABOUT.format(where=where), _of_effects(costs), _ABOUT_SAMPLES, _of_samples(room)])
-    write_page("effects.md", "What effects cost, and what leaving them out saves", COMMAND, text)
-
-
-_ABOUT = """Measured on {where}. A frame of 320 × 180 pixels shows nothing but a table of one glossy material in a room
-of glowing walls; each row is the median of alternating renders, with the effect ÷ without it. Where the scene does not
-need the effect it is forced on and compared with being left out; where it does, with being forced off. "Nodes" is how
-many more the material evaluates, groups counted as often as they are used."""
-
-_ABOUT_SAMPLES = """## Samples
-
-Each scene as the plan wants it ÷ the same with everything on that does not change the picture: turned boxes, offsets,
-fades, all levels, all faces, mixed surfaces and so on for every probe and material. "Shading" is the frame without what
-the same frame takes with a flat emission in place of the reflection. "Bake" is the seconds of rendering, assembling and
-blurring; "MB" what its pictures take on disk."""
+    part, *rooms = sys.argv[1:] or ["all"]
+    if part in {"all", "effects"}:
+        costs = {case.effect.key: measure(case) for case in CASES}
+        costs |= measure_bakes()
+        where = f"{_processor()}, {os.cpu_count()} cores, Blender {bpy.app.version_string}, {date.today().isoformat()}"
+        document = {"where": where, "effects": {key: asdict(cost) for key, cost in costs.items()}}
+        TABLE.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+        cost_table.cache_clear()
+        write_between(
+            PAGE, "effects: written by benchmarks/effects.py", f"Measured on {where}.\n\n{_of_effects(costs)}"
+        )
+    if part in {"all", "samples"}:
+        write_between(PAGE, "samples: written by benchmarks/effects.py", _of_samples(rooms))
 
 
 def alternate(scene: bpy.types.Scene, engine: Engine, states: Sequence[Callable[[], None]]) -> list[float]:
@@ -172,9 +169,9 @@ def _of_effects(costs: dict[str, Cost]) -> str:
     return table(["effect", "what it does", "nodes", "Cycles", "EEVEE", "bake", "MB"], rows)
 
 
-def _of_samples(room: str) -> str:
+def _of_samples(rooms: Sequence[str]) -> str:
     rows = []
-    for name, open_it in _samples(room).items():
+    for name, open_it in _samples(rooms).items():
         open_it()
         rows.append([name, *measure_sample()])
         print(rows[-1], file=sys.stderr)
@@ -183,7 +180,7 @@ def _of_samples(room: str) -> str:
     return table(["scene", "Cycles frame", "Cycles shading", "EEVEE frame", "EEVEE shading", "bake", "MB"], rows)
 
 
-def _samples(room: str) -> dict[str, Callable[[], object]]:
+def _samples(rooms: Sequence[str]) -> dict[str, Callable[[], object]]:
     def emissive() -> None:
         scenes.emissive_room()
         scenes.add_room_probe(scenes.EMISSIVE_ROOM, (0.0, 0.0, -0.35))
@@ -197,16 +194,25 @@ def _samples(room: str) -> dict[str, Callable[[], object]]:
         "two rooms": two_rooms.two_rooms,
         "two rooms of metal": two_rooms.of_metal,
     }
-    if room:
-        found[Path(room).stem.replace("_", " ")] = lambda: bpy.ops.wm.open_mainfile(filepath=room)
-    return found
+    return found | {Path(room).stem.replace("_", " "): partial(_open, room) for room in rooms}
+
+
+def _open(path: str) -> None:
+    """A room of others, with a probe around all that is in it."""
+    bpy.ops.wm.open_mainfile(filepath=path)
+    if all_probes(bpy.context.scene):
+        return
+    items = [item for item in bpy.context.scene.objects if item.type == "MESH"]
+    corners = np.array([item.matrix_world @ Vector(corner) for item in items for corner in item.bound_box])
+    low, high = corners.min(0), corners.max(0)
+    bpy.ops.pcc.probe_add(name="Room", location=(low + high) / 2.0, half_extents=(high - low) / 2.0)
 
 
 def measure_sample() -> list[str]:
     """Of the open scene: what is needed ÷ everything on, by frame and shading in each engine, bake and megabytes."""
     scene = bpy.context.scene
     largest = max(scene.render.resolution_x, scene.render.resolution_y)
-    scene.render.resolution_percentage = max(1, round(100 * 400 / largest))
+    scene.render.resolution_percentage = max(1, round(100 * 240 / largest))
     for probe in all_probes(scene):
         probe.pcc_probe.resolution, probe.pcc_probe.samples = 128, 8
     bakes = []

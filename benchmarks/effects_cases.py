@@ -24,7 +24,7 @@ from sample_blends.scenes import (
 
 ROOM = Room((3.0, 3.0, 1.5), (0.0, 0.0, 0.0), 0.0)
 GLOSSY = "Glossy"
-WIDTH, HEIGHT = 320, 180
+WIDTH, HEIGHT = 240, 135
 
 
 @dataclass(frozen=True)

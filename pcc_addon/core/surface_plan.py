@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from .decisions import Decision, Effect, Forced
-from .effects.dielectric import Dielectric
 from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of, may_transmit
 from .effects.lookup import LEAST_SPREAD, MOST_SPREAD
-from .effects.metal import Metal, TintedMetal
-from .effects.multiscatter import Multiscatter
 from .effects.roughness import neighbours
 from .effects.surface import Ray, SurfaceEffects, surface_effects
-from .effects.thin_film import ThinFilm, is_coated
 from .effects.transmission import Interface
+from .forcing import as_forced
 from .pictures import LADDER
-from .readings import MaterialReading, SurfaceReading, Value
+from .readings import MaterialReading, SurfaceReading
+from .surface_decisions import Found, has_own_normals, surface_decisions
 from .words import named
 
 REFLECTS_NOTHING = "it reflects nothing"
@@ -129,15 +127,15 @@ def _plan_surface(
     rounded = [refused[name].served for name, value in values.items() if value != 0.0 and refused[name].ignored(value)]
     reasons = [how + beyond, effects.label, *rounded, *(f"its {layer} lies over that as it is" for layer in layers)]
     wanted = forced.decide(Effect.BENT_NORMALS, bends_normals, "").on
-    bent = wanted and _has_own_normals(surface)
+    bent = wanted and has_own_normals(surface)
     reasons += ["its normals are bent where they would mirror the view into the surface"] * bent
     if effects.transmits and interface is Interface.ONCE:
         reasons.append("it bends light once, as its objects have no far side (Thickness: Slab would make them panes)")
     plan = SurfacePlan(
         surface.path, effects, (low, high), tuple(reasons), interface, handed_over, bool(layers), bent, blends
     )
-    bends = _said(Effect.BENT_NORMALS, bent, _normals_of(surface), forced)
-    return replace(plan, decisions=(*surface_decisions(given, plan, forced), bends))
+    found = Found(effects, blends or plan.varies, plan.roughness == (0.0, 0.0), handed_over is not None, bent)
+    return replace(plan, decisions=tuple(surface_decisions(given, found, forced)))
 
 
 def _forced_away(given: SurfaceReading, interface: Interface, forced: Forced) -> Iterator[Decision]:
@@ -146,106 +144,6 @@ def _forced_away(given: SurfaceReading, interface: Interface, forced: Forced) ->
         for effect in sorted(forced.off, key=list(Effect).index):
             if effect in (Effect.DIELECTRIC, Effect.METAL, Effect.TRANSMISSION):
                 yield Decision(effect, False, f"forced off; {REFLECTS_NOTHING} then", True)
-
-
-def _has_own_normals(surface: SurfaceReading) -> bool:
-    return surface.has("Normal") and surface.value("Normal") is None
-
-
-def _normals_of(surface: SurfaceReading) -> str:
-    return "something perturbs its normals" if _has_own_normals(surface) else "nothing perturbs its normals"
-
-
-def as_forced(surface: SurfaceReading, forced: Forced) -> SurfaceReading:
-    """A surface as its effects see it: what is forced on may vary, what is forced off is nowhere."""
-    changed: dict[str, Value] = {}
-    for effect, inputs in _DECIDING.items():
-        for name, without in inputs.items():
-            if effect in forced.off:
-                changed[name] = without
-            elif effect in forced.on and effect.lossless and surface.has(name) and _is(surface.value(name), without):
-                changed[name] = None
-    if Effect.DIELECTRIC in forced.off:
-        changed["Specular IOR Level"] = 0.0
-    elif Effect.DIELECTRIC in forced.on and surface.has("Metallic") and surface.value("Metallic") != 0.0:
-        keeps_film = surface.films_on_both or not is_coated(surface)  # the metal's, that is
-        changed["Metallic"] = None if keeps_film else surface.value("Metallic")
-    if Effect.ROUGHNESS in forced.off:
-        changed["Roughness"] = 0.0
-    kept = tuple((name, changed.get(name, value)) for name, value in surface.inputs)
-    chosen = {"MULTI_GGX": "GGX"} if Effect.MULTISCATTER in forced.off else {}
-    chosen |= {"GGX": "MULTI_GGX"} if Effect.MULTISCATTER in forced.on else {}
-    return replace(surface, inputs=kept, distribution=chosen.get(surface.distribution, surface.distribution))
-
-
-def _is(value: Value, other: Value) -> bool:
-    """Whether two values are the same, apart from the alpha of colours."""
-    return value == other or (isinstance(value, tuple) and isinstance(other, tuple) and value[:3] == other[:3])
-
-
-_DECIDING: Mapping[Effect, Mapping[str, Value]] = {
-    Effect.METAL: {"Metallic": 0.0},
-    Effect.TINT: {"Specular Tint": (1.0, 1.0, 1.0), "Edge Tint": (1.0, 1.0, 1.0)},
-    Effect.TRANSMISSION: {"Transmission Weight": 0.0},
-    Effect.FILM: {"Thin Film Thickness": 0.0},
-    Effect.ANISOTROPY: {"Anisotropic": 0.0, "Anisotropy": 0.0},
-}
-"""The inputs that an effect is needed for, with their values where it is not."""
-
-
-def surface_decisions(surface: SurfaceReading, plan: SurfacePlan, forced: Forced) -> Iterator[Decision]:
-    """Which effects a surface has of those that its kind may have, and why.
-
-    Args:
-        surface: as read, nothing forced.
-        plan: what was decided of it.
-        forced: what its user decided.
-    """
-    assert plan.effects is not None
-    parts = plan.effects.effects
-    metals = [part for part in parts if isinstance(part, (Metal, TintedMetal))]
-    dielectrics = [part for part in parts if isinstance(part, Dielectric)]
-    has = {
-        Effect.METAL: bool(metals),
-        Effect.TINT: any(m.tinted for m in metals) or any(d.f0 is None for d in dielectrics),
-        Effect.TRANSMISSION: plan.effects.transmits,
-        Effect.FILM: any(isinstance(part, ThinFilm) for part in parts),
-        Effect.ANISOTROPY: plan.effects.anisotropy is not None,
-    }
-    for effect, inputs in _DECIDING.items():
-        for name in inputs:
-            if surface.has(name):
-                yield _said(effect, has[effect], _in_words(surface, name), forced)
-    if surface.has("Metallic"):
-        why = _in_words(surface, "Metallic" if surface.value("Metallic") != 0.0 else "IOR")
-        yield _said(Effect.DIELECTRIC, bool(dielectrics), why, forced)
-    scattering = any(isinstance(part, Multiscatter) for part in parts)
-    facets = _FACETS.get(surface.distribution, surface.distribution.title()) or "those of a mirror"
-    smooth = "it is a mirror" if plan.roughness == (0.0, 0.0) else f"its microfacets are {facets}"
-    yield _said(Effect.MULTISCATTER, scattering, smooth, forced)
-    if surface.has("Roughness"):
-        yield _said(Effect.ROUGHNESS, plan.blends or plan.varies, _in_words(surface, "Roughness"), forced)
-        limit = "it may be rougher than the limit" if plan.handed_over is not None else "it is nowhere too rough"
-        limit = "it shows probes however rough it is" if Effect.OWN_LOBE in forced.off else limit
-        yield _said(Effect.OWN_LOBE, plan.handed_over is not None, limit, forced)
-
-
-_FACETS = {"GGX": "GGX", "MULTI_GGX": "Multiscatter GGX"}
-
-
-def _said(effect: Effect, on: bool, why: str, forced: Forced) -> Decision:
-    if effect in (forced.off if on else forced.on):
-        return Decision(effect, on, f"cannot be forced {'off' if on else 'on'}: {why}")
-    chosen = effect in (forced.on if on else forced.off)
-    return Decision(effect, on, f"forced {'on' if on else 'off'}; {why}" if chosen else why, chosen)
-
-
-def _in_words(surface: SurfaceReading, name: str) -> str:
-    value = surface.value(name)
-    if value is None:
-        return f"its {name} varies"
-    numbers = ", ".join(f"{v:.3g}" for v in (value[:3] if isinstance(value, tuple) else (value,)))
-    return f"its {name} is {numbers}"
 
 
 def _refusals(surface: SurfaceReading, roughness: float | None, limit: float) -> Iterator[str]:
