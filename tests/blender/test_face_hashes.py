@@ -121,6 +121,17 @@ def test_denoised_faces_are_taken_over_too(probe, rendered) -> None:
     assert np.array_equal(partly, picture(probe))
 
 
+def test_faces_that_one_render_gives_are_taken_over_too(probe, rendered, monkeypatch) -> None:
+    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 10**9)
+    bake(probe)
+    before = of_faces(picture(probe))
+    recolour("+X")
+    [result] = bake_stale(probe)
+    assert result.faces == ("+X",) and found() == FRESH
+    after = of_faces(picture(probe))
+    assert [name for name in FACE_NAMES if not np.array_equal(before[name], after[name])] == ["+X"]
+
+
 def test_a_wall_counts_in_every_face_that_sees_it(probe, rendered) -> None:
     bake(probe)
     recolour("+Y")
