@@ -15,10 +15,12 @@ from ..core.plan import Plan, make_plan
 from ..core.probe import ProbeSpec, Source
 from ..core.sequence import changed_frames
 from ..core.sidecar import Sidecar
+from ..core.words import listed
 from .read.fingerprint import SceneFingerprint
 from .read.frames import at_frame, frames_of, visit
 from .read.probes import all_probes, bake_record, check_place, probe_spec
 from .read.scene import read_scene
+from .shade.captured import seen_matt
 from .shade.outdated import outdated
 from .store.levels import faulty_picture
 
@@ -69,7 +71,7 @@ def planned_statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     reading = read_scene(scene, view_layer)
     plan = make_plan(reading)
     late = outdated(reading, plan, {probe.name: probe for probe in probes})
-    fingerprint = SceneFingerprint(scene, view_layer)
+    fingerprint = SceneFingerprint(scene, view_layer, seen_matt(plan))
     seen = _seen_by_sequences(scene, view_layer, [probe for probe in probes if frames_of(probe)])
     faces = {probe.probe: probe.faces for probe in plan.probes}
     found = [
@@ -113,7 +115,9 @@ def _status(
         check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
-        now = fingerprint.content_hash(spec) if record and not record.moments else ""
+        still = record if record and not record.moments else None
+        now = fingerprint.content_hash(spec) if still else ""
+        faces = fingerprint.face_hashes(spec) if still and still.content_hash != now and still.face_hashes else ()
     except PccError as error:
         return ProbeStatus(probe.name, "error", str(error))
     if record is None:
@@ -124,15 +128,22 @@ def _status(
         return ProbeStatus(probe.name, "stale", f"{fault}; bake it again", frames)
     if record.moments:
         return _status_of_sequence(spec, record, seen)
-    if record.content_hash != now:
-        why = _of_another_version([record.content_hash])
-        why = why or f"{_CHANGED[spec.source]} or the probe changed since its bake"
+    changed = record.changed(now, faces)
+    if changed:
+        why = _of_another_version([record.content_hash]) or _what_changed(spec, record, changed)
         return ProbeStatus(probe.name, "stale", why)
     lacking = record.lacks(needed)
     if lacking:
         why = f"its {said(lacking)} not captured and needed now; bake it again, which then renders nothing else"
         return ProbeStatus(probe.name, "stale", why)
     return ProbeStatus(probe.name, "baked")
+
+
+def _what_changed(spec: ProbeSpec, record: Sidecar, changed: tuple[str, ...]) -> str:
+    if changed == record.faces:
+        return f"{_CHANGED[spec.source]} or the probe changed since its bake"
+    see = "faces {} see" if len(changed) > 1 else "face {} sees"
+    return f"what its {see.format(listed(changed))} changed since its bake"
 
 
 def _status_of_sequence(spec: ProbeSpec, record: Sidecar, seen: Mapping[int, str]) -> ProbeStatus:

@@ -38,6 +38,9 @@ FACES: tuple[Face, ...] = (
 
 FACE_NAMES: tuple[str, ...] = tuple(face.name for face in FACES)
 
+OVERSCAN = 8
+"""Pixels rendered on each side of a face, so that denoising and filtering at an edge have real neighbours."""
+
 
 def face_directions(face: Face, resolution: int, overscan: int = 0) -> np.ndarray:
     """World-space directions through the texel centres of a face, not normalised.

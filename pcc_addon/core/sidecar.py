@@ -95,6 +95,8 @@ class Sidecar:
         moments: of a sequence, one for each of its frames, ascending; empty for a still. Of a sequence, what else is
             said is that of its first picture.
         faces: those that were captured, by name, in the order of `FACES`; where others lie pictures are guessed.
+        face_hashes: of what each of the six depends on, in the order of `FACES`; empty where that was not known for
+            each alone.
     """
 
     probe: str
@@ -115,6 +117,7 @@ class Sidecar:
     source: Source = Source.BAKE
     moments: tuple[Moment, ...] = ()
     faces: tuple[str, ...] = FACE_NAMES
+    face_hashes: tuple[str, ...] = ()
 
     @property
     def frames(self) -> tuple[int, ...]:
@@ -138,6 +141,7 @@ class Sidecar:
         addon: str,
         replaced_pixels: tuple[str, ...] = (),
         faces: tuple[str, ...] = FACE_NAMES,
+        face_hashes: tuple[str, ...] = (),
     ) -> Sidecar:
         """The record of a bake of `spec`, as yet without levels."""
         x, y, z = spec.capture_point
@@ -159,7 +163,22 @@ class Sidecar:
             replaced_pixels=replaced_pixels,
             source=spec.source,
             faces=faces,
+            face_hashes=face_hashes,
         )
+
+    def changed(self, content_hash: str, face_hashes: Sequence[str]) -> tuple[str, ...]:
+        """Those of its faces that may show something else now.
+
+        Args:
+            content_hash: of what its pictures depend on now.
+            face_hashes: of what each face does; empty where that is not known.
+        """
+        if self.content_hash == content_hash:
+            return ()
+        if not self.face_hashes or not face_hashes:
+            return self.faces
+        pairs = zip(FACE_NAMES, self.face_hashes, face_hashes, strict=True)
+        return tuple(name for name, before, now in pairs if before != now and name in self.faces)
 
     def lacks(self, faces: Iterable[str]) -> tuple[str, ...]:
         """Those of some faces that were not captured."""
@@ -219,6 +238,7 @@ class Sidecar:
             source=Source(plain.get("source", Source.BAKE.value)),
             moments=tuple(_moment(moment) for moment in plain.get("moments", ())),
             faces=_faces(plain.get("faces", list(FACE_NAMES))),
+            face_hashes=_face_hashes(plain.get("face_hashes", [])),
         )
 
 
@@ -275,6 +295,12 @@ def _faces(found: object) -> tuple[str, ...]:
     if len(faces) != len(found):
         raise ValueError("its faces are not among the six, each once")
     return faces
+
+
+def _face_hashes(found: object) -> tuple[str, ...]:
+    if not isinstance(found, list) or len(found) not in (0, len(FACE_NAMES)):
+        raise TypeError("its faces' hashes are not six")
+    return tuple(_text(each) for each in found)
 
 
 def _moment(plain: Mapping[str, Any]) -> Moment:

@@ -52,7 +52,7 @@ RECORD = Sidecar(
 )
 
 
-DEFAULTED = {"replaced_pixels", "source", "moments", "faces"}
+DEFAULTED = {"replaced_pixels", "source", "moments", "faces", "face_hashes"}
 
 
 def edited(**changes: object) -> str:
@@ -333,6 +333,20 @@ def test_the_faces_that_were_captured_come_back_and_none_that_there_are_not() ->
     assert record.lacks(("+X", "-Y", "-Z", "+Z")) == ("-Y", "+Z") and RECORD.lacks(FACE_NAMES) == ()
     for wrong in ([], None, "+X", {"+X": 1}, ["+X", "+X"], ["+X", "up"], ["+X", 3], [["+X"]], list(FACE_NAMES) * 2):
         assert "faces" in refusal(edited(faces=wrong))
+
+
+def test_the_hashes_of_faces_come_back_and_tell_which_may_have_changed() -> None:
+    six = tuple("2:abcdef"[k:] for k in range(6))
+    record = dataclasses.replace(RECORD, face_hashes=six)
+    assert Sidecar.from_json(record.to_json(), "here") == record
+    assert Sidecar.from_json(edited(face_hashes=...), "here").face_hashes == (), "older bakes have none"
+    for wrong in (None, "six", {"+X": "a"}, list(six[:5]), [*six, "a"], [*six[:5], 3]):
+        assert refusal(edited(face_hashes=wrong))
+    other = ("2:x", *six[1:5], "2:y")
+    assert record.changed(record.content_hash, other) == ()
+    assert record.changed("2:new", other) == ("+X", "-Z") and record.changed("2:new", six) == ()
+    assert dataclasses.replace(record, faces=("-X", "-Z")).changed("2:new", other) == ("-Z",)
+    assert record.changed("2:new", ()) == RECORD.changed("2:new", six) == FACE_NAMES
 
 
 def test_of_several_capture_points_the_farthest_tells_whether_they_are_apart_from_a_place() -> None:

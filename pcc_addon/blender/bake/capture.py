@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ...core.cubemap import FACE_NAMES, FACES, Face
+from ...core.cubemap import FACE_NAMES, FACES, OVERSCAN, Face
 from ...core.errors import BakeError
 from ...core.probe import Engine, ProbeSpec
 from .. import compat
@@ -21,7 +21,6 @@ from ..read.scene import rendered_objects
 from ..rendering import Renderer, RenderSettings
 from . import lamps
 
-OVERSCAN = 8  # pixels on each side, so that denoising and filtering at an edge have real neighbours
 _SENSOR = 36.0
 _RAYS_OF_AN_OBJECT = 32
 # Probes whose faces one render gives: what it costs whatever it shows is shared by so many. Not more, since nobody can

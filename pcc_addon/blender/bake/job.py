@@ -27,12 +27,13 @@ from ..read.holders import Holders
 from ..read.probes import check_own, check_place, probe_spec
 from ..read.scene import missing_textures, read_scene
 from ..shade import by_hand, groups, injection, interior, twin
+from ..shade.captured import seen_matt
 from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
 from ..store import levels
 from . import environment, faces
 from .capture import Stage
-from .completing import capture_of, completed
+from .completing import Hashes, capture_of, completed
 from .faces import Capture
 from .sequence import Sequences
 
@@ -78,7 +79,7 @@ class _Task:
         probe: its object.
         capture: of it.
         completes: the record of the bake that the capture completes; None: it is a new one.
-        content_hash: of what it depends on.
+        seen: what it depends on.
         plan: what the plan says of it.
         failed: whether it has no new bake.
     """
@@ -86,7 +87,7 @@ class _Task:
     probe: bpy.types.Object
     capture: Capture
     completes: Sidecar | None
-    content_hash: str
+    seen: Hashes
     plan: ProbePlan
     failed: bool = False
 
@@ -182,7 +183,7 @@ class BakeJob:
         self.missing_textures = missing_textures(self._view_layer, self._scene.world)
         plan = make_plan(read_scene(self._scene, self._view_layer))
         asked = {spec.name: self._asked(probe) for probe, spec in ready}
-        fingerprint = SceneFingerprint(self._scene, self._view_layer)
+        fingerprint = SceneFingerprint(self._scene, self._view_layer, seen_matt(plan))
         tasks = [self._task(probe, spec, plan, fingerprint) for probe, spec in ready if not asked[spec.name]]
         moving = [(probe, asked[spec.name], plan.probe(spec.name)) for probe, spec in ready if asked[spec.name]]
         yield
@@ -212,9 +213,10 @@ class BakeJob:
             self._tell(sequences)
 
     def _task(self, probe: bpy.types.Object, spec: ProbeSpec, plan: Plan, fingerprint: SceneFingerprint) -> _Task:
-        probe_plan, content_hash = plan.probe(spec.name), fingerprint.content_hash(spec)
-        capture, completes = capture_of(probe, spec, probe_plan, content_hash, self._reuse)
-        return _Task(probe, capture, completes, content_hash, probe_plan)
+        probe_plan = plan.probe(spec.name)
+        seen = Hashes(fingerprint.content_hash(spec), fingerprint.face_hashes(spec))
+        capture, completes = capture_of(probe, spec, probe_plan, seen, self._reuse)
+        return _Task(probe, capture, completes, seen, probe_plan)
 
     def _asked(self, probe: bpy.types.Object) -> tuple[int, ...]:
         """The frames that a probe is to have pictures for; none for a still of the current one."""
@@ -308,11 +310,12 @@ class BakeJob:
             spec,
             ensure_uid(probe, self._holders),
             seconds=round(seconds, 3),
-            content_hash=task.content_hash,
+            content_hash=task.seen.content,
             blender=bpy.app.version_string,
             addon=ADDON_VERSION,
             replaced_pixels=tuple(capture.replaced),
             faces=capture.names,
+            face_hashes=task.seen.faces,
         )
         record = completed(record, task.completes)
         levels.store(probe, record, pictures, self._folder, self._holders)

@@ -135,11 +135,11 @@ class _Tree:
     def _node(self, node: bpy.types.Node) -> Found:
         """What a node makes of its inputs, as far as all its outputs share it."""
         kind = node.bl_idname
-        if node.mute or kind in {"NodeReroute", "NodeGroupInput"} or (_has_inside(node) and not _is_by_hand(node)):
+        if node.mute or kind in {"NodeReroute", "NodeGroupInput"} or (_has_inside(node) and not is_by_hand(node)):
             return NOTHING  # each output for itself
         reads: set[Read] = set(_reads_of(node))
-        parts = ["by hand" if _is_by_hand(node) else kind]
-        if not _is_by_hand(node):
+        parts = ["by hand" if is_by_hand(node) else kind]
+        if not is_by_hand(node):
             parts.append(self._settings(node, reads))
         inputs: frozenset[str] = frozenset()
         for each in (node, *self._begins.get(node.as_pointer(), ())):
@@ -182,10 +182,10 @@ class _Tree:
             return self._input(node.inputs[0])
         if kind == "NodeGroupInput":
             return Found(digest("group input", socket.identifier), frozenset(), frozenset({socket.identifier}))
-        if _has_inside(node) and not _is_by_hand(node):
+        if _has_inside(node) and not is_by_hand(node):
             return self._group(node, socket)
         whole = self._whole.get(node.as_pointer(), NOTHING)  # nothing where a shader feeds itself
-        name = socket.name if _is_by_hand(node) else socket.identifier
+        name = socket.name if is_by_hand(node) else socket.identifier
         reads = {_OF_OBJECTS[name]} if kind == "ShaderNodeObjectInfo" and name in _OF_OBJECTS else set()
         return Found(digest(whole.digest, name), whole.reads | reads, whole.inputs)
 
@@ -222,7 +222,7 @@ def _has_inside(node: bpy.types.Node) -> bool:
     return hasattr(node, "node_tree")
 
 
-def _is_by_hand(node: bpy.types.Node) -> bool:
+def is_by_hand(node: bpy.types.Node) -> bool:
     """Whether captures see a group black, whatever is in it."""
     inner = getattr(node, "node_tree", None)
     return inner is not None and marks.role(inner) == marks.BY_HAND

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Set
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
+import numpy as np
 
 from ..probes import is_animated, is_disabled
+from .bounds import Bounds
 from .digests import COLOR, EVALUATED, FRAME, INDEX, RANDOM, Found, Read, digest, plain, unordered
 from .evaluated import Shapes
 from .geometry import Geometry
@@ -31,6 +34,19 @@ _EEVEE = ("hide_probe_volume", "hide_probe_sphere", "hide_probe_plane")
 _INSTANCES = ("instance_type", "use_instance_vertices_rotation", "use_instance_faces_scale", "instance_faces_scale")
 _BY_SHAPE = {"VERTS", "FACES"}  # instances at the vertices or faces of an object
 _NOT_SEEN = {"EMPTY", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"}
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """An object, with the instances of a collection that it makes.
+
+    Attributes:
+        digest: of what it shows.
+        boxes: (n, 8, 3) float64: corners of boxes around all of that, world space; None where nobody can tell.
+    """
+
+    digest: bytes
+    boxes: np.ndarray | None
 
 
 class Objects:
@@ -58,6 +74,7 @@ class Objects:
         self.materials = Materials(self._trees, is_eevee)
         self._geometry = Geometry(self._trees, is_eevee, meshes)
         self._modifiers = Modifiers(self._trees, self._geometry, scene)
+        self._bounds = Bounds(view_layer)
         self._known: dict[int, Found] = {}
         self._shaped: dict[int, tuple[bytes, frozenset[Read]]] = {}
         self._begun: set[int] = set()  # what is being read: whatever points back to it stops there
@@ -76,15 +93,49 @@ class Objects:
             _attribute(owners, read[2]) for read in sorted(found.reads) if read[:2] == ("attribute", "VIEW_LAYER")
         ]
 
+    def each(self, hidden: Set[str]) -> Iterator[bpy.types.Object]:
+        """The objects of `seen`, and those that they make instances of."""
+        for item in self._shown:
+            yield from (leaf for leaf, _ in self._leaves(item, hidden, None))
+
+    def placed(self, hidden: Set[str]) -> Iterator[Placed]:
+        """All of `seen` one by one, with where it is."""
+        for item in self._shown:
+            leaves = list(self._leaves(item, hidden, np.eye(4)))
+            if leaves:
+                boxes = [self._bounds.of(leaf, place) for leaf, place in leaves]
+                known = None if any(box is None for box in boxes) else np.stack(boxes)
+                yield Placed(digest(*(found.digest for found in self._all((item,), hidden))), known)
+
     def _all(self, items: Iterable[bpy.types.Object], hidden: Set[str]) -> Iterator[Found]:
         """What objects show, and the instances that they make."""
         for item in items:
             if item.hide_render or item.name in hidden:
                 continue
-            if (item.type not in _NOT_SEEN or item.instance_type in _BY_SHAPE) and self._is_lit(item):
+            if self._is_seen(item):
                 yield self._object(item)
             if item.instance_type == "COLLECTION" and item.instance_collection is not None:
                 yield self._instances(item, hidden)
+
+    def _leaves(
+        self, item: bpy.types.Object, hidden: Set[str], place: np.ndarray | None
+    ) -> Iterator[tuple[bpy.types.Object, np.ndarray | None]]:
+        """An object and the instances of collections that it makes; and (4, 4) where their own matrices lead to.
+
+        The latter is None where nobody can tell.
+        """
+        if item.hide_render or item.name in hidden:
+            return
+        if self._is_seen(item):
+            yield item, place
+        collection = item.instance_collection
+        if item.instance_type == "COLLECTION" and collection is not None:
+            inner = None if place is None else self._bounds.of_instances(item, place)
+            for each in of_collection(collection):
+                yield from self._leaves(each, hidden, inner)
+
+    def _is_seen(self, item: bpy.types.Object) -> bool:
+        return (item.type not in _NOT_SEEN or item.instance_type in _BY_SHAPE) and self._is_lit(item)
 
     def _is_lit(self, item: bpy.types.Object) -> bool:
         """Whether anything but a camera sees an object; captures see what glossy rays see."""
