@@ -1,7 +1,7 @@
 """What each effect costs, and what leaving out those that a scene does not need saves.
 
 python3 dev.py run benchmarks/effects.py                      # the effects, then our samples
-python3 dev.py run benchmarks/effects.py effects              # the effects alone
+python3 dev.py run benchmarks/effects.py effects              # the effects alone; "bakes": those of bakes
 python3 dev.py run benchmarks/effects.py samples ROOM.blend   # the samples alone, and another file
 
 Writes docs/effects.md, and the table of costs that the plan and the panels show.
@@ -25,7 +25,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from benchmarks.effects_cases import CASES, Case, build, switch
+from benchmarks.effects_cases import BAKES, CASES, Case, build, switch
 from benchmarks.measure import ROOT, render, start, table, write_between
 from pcc_addon.blender import marks
 from pcc_addon.blender.bake.job import BakeJob
@@ -43,9 +43,9 @@ PAGE = ROOT / "docs" / "effects.md"
 def main() -> None:
     start()
     part, *rooms = sys.argv[1:] or ["all"]
-    if part in {"all", "effects"}:
-        costs = {case.effect.key: measure(case) for case in CASES}
-        costs |= measure_bakes()
+    if part in {"all", "effects", "bakes"}:
+        costs = dict(cost_table().costs) if part == "bakes" else {case.effect.key: measure(case) for case in CASES}
+        costs |= {case.effect.key: measure_bake(case) for case in BAKES}
         where = f"{_processor()}, {os.cpu_count()} cores, Blender {bpy.app.version_string}, {date.today().isoformat()}"
         document = {"where": where, "effects": {key: asdict(cost) for key, cost in costs.items()}}
         TABLE.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
@@ -139,23 +139,21 @@ def bake() -> Baked:
     return Baked(sum(result.seconds for result in results), size / 1e6)
 
 
-def measure_bakes() -> dict[str, Cost]:
-    """What effects cost that bakes have."""
-    found = {}
-    for effect in (Effect.LEVELS, Effect.FACES):
-        build(Case(effect, needed=False))
-        probe = next(o for o in bpy.data.objects if o.pcc_probe.is_probe)
-        probe.pcc_probe.resolution, probe.pcc_probe.samples = 256, 16
-        bakes: dict[bool, list[Baked]] = {True: [], False: []}
-        for _ in range(5):
-            for on in (True, False):
-                setattr(probe.pcc_probe.effects, effect.key, "ON" if on else "AUTO")
-                bakes[on].append(bake())
-        seconds = [median(b.seconds for b in bakes[on]) for on in (True, False)]
-        sizes = [bakes[on][-1].megabytes for on in (True, False)]
-        found[effect.key] = Cost(None, None, None, *(round(a / b, 3) for a, b in (seconds, sizes)))
-        print(effect.key, found[effect.key], file=sys.stderr)
-    return found
+def measure_bake(case: Case) -> Cost:
+    """What an effect costs that bakes have."""
+    build(case)
+    probe = next(o for o in bpy.data.objects if o.pcc_probe.is_probe)
+    probe.pcc_probe.resolution, probe.pcc_probe.samples = 256, 16
+    bakes: dict[bool, list[Baked]] = {True: [], False: []}
+    for _ in range(5):
+        for on in (True, False):
+            switch(case, on)
+            bakes[on].append(bake())
+    seconds = [median(b.seconds for b in bakes[on]) for on in (True, False)]
+    sizes = [bakes[on][-1].megabytes for on in (True, False)]
+    cost = Cost(None, None, None, *(round(a / b, 3) for a, b in (seconds, sizes)))
+    print(case.effect.key, cost, file=sys.stderr)
+    return cost
 
 
 def _of_effects(costs: dict[str, Cost]) -> str:

@@ -110,6 +110,13 @@ def _halve(node: bpy.types.Node, probe: bpy.types.Object) -> None:
     bpy.data.objects.remove(probe)
 
 
+def _lay(node: bpy.types.Node, probe: bpy.types.Object) -> None:
+    """A mirror on the floor alone."""
+    bpy.data.objects.remove(bpy.data.objects["Table"])
+    add_wall(ROOM, "-Z", bpy.data.materials[GLOSSY])
+    probe.pcc_probe.capture_offset.z = -0.4
+
+
 CASES = (
     Case(Effect.PARALLAX),
     Case(Effect.TURN, needed=False),
@@ -133,4 +140,7 @@ CASES = (
     Case(Effect.OWN_LOBE, _vary),
     Case(Effect.BY_PLACE, _halve),
 )
-"""All that shaders compute; what bakes take is measured apart."""
+"""All that shaders compute."""
+
+BAKES = (Case(Effect.LEVELS, needed=False), Case(Effect.FACES, _lay, needed=False))
+"""What bakes have."""
