@@ -9,6 +9,7 @@ from pathlib import Path
 
 from .decisions import Effect
 
+_NOISE = 0.02  # of alternating frames
 TABLE = Path(__file__).with_name("effect_costs.json")
 
 
@@ -31,9 +32,11 @@ class Cost:
 
     @property
     def words(self) -> str:
-        """Such as "Cycles ×1.05, EEVEE ×1.01"; empty where nothing is known."""
+        """Such as "Cycles ×1.05"; what is within the noise is not told, and nothing where nothing is known."""
         ratios = {"Cycles": self.cycles, "EEVEE": self.eevee, "bake": self.bake, "MB": self.megabytes}
-        return ", ".join(f"{name} ×{ratio:.2f}" for name, ratio in ratios.items() if ratio is not None)
+        known = {name: ratio for name, ratio in ratios.items() if ratio is not None}
+        told = [f"{name} ×{ratio:.2f}" for name, ratio in known.items() if ratio >= 1.0 + _NOISE]
+        return ", ".join(told) or "less than can be measured" * bool(known)
 
 
 @dataclass(frozen=True)

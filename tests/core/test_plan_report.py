@@ -69,9 +69,12 @@ def test_a_decision_is_told_with_what_it_costs_or_saves(monkeypatch) -> None:
     table = CostTable({"fade": Cost(5, 1.064, 1.0)}, "a machine")
     monkeypatch.setattr(plan_report, "cost_table", lambda: table)
     on = Decision(Effect.FADE, True, "surfaces leave it")
-    assert told(on) == "[on] Fade Outside: surfaces leave it (costs Cycles ×1.06, EEVEE ×1.00)"
-    assert told(replace(on, on=False)).endswith("(saves Cycles ×1.06, EEVEE ×1.00)")
+    assert told(on) == "[on] Fade Outside: surfaces leave it (costs Cycles ×1.06)"
+    assert told(replace(on, on=False)).endswith("(saves Cycles ×1.06)")
     assert told(Decision(Effect.TURN, False, "no")) == "[off] Turned Box: no"
+    assert (
+        Cost(1, 1.01, 0.95).words == "less than can be measured" and Cost(None, None, None, 1.5).words == "bake ×1.50"
+    )
     assert list(lines(PLAN))[-1] == "costs and savings: with ÷ without the effect, measured on a machine"
     [fade] = [effect for effect in next(records(PLAN))["effects"] if effect["effect"] == "fade"]
     assert fade["cost"]["cycles"] == 1.064 and fade["cost"]["bake"] is None and not fade["on"]
