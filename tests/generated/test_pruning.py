@@ -25,8 +25,9 @@ from .build import FRAMES, build, probes
 from .pruning import TOLERANCE, Comparison, bake_all, compare, force, put_in, seen
 from .scenes import Drawn, drawn
 
-QUICK, ALL = 10, 200
-EEVEE = 12
+_NEWEST = bpy.app.version >= (5, 2)
+QUICK, ALL = 10, 200 if _NEWEST else 40
+EEVEE = 12 if _NEWEST else 3
 EEVEE_TOLERANCE = 2e-3
 """Absolute; EEVEE reads pictures in half precision."""
 
