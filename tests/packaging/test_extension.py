@@ -29,7 +29,8 @@ def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_zip_holds_the_add_on_and_nothing_else(archive: Path) -> None:
     names = {name for name in zipfile.ZipFile(archive).namelist() if not name.endswith("/")}
     sources = {str(p.relative_to(ROOT).as_posix()) for p in (ROOT / "pcc_addon").rglob("*.py")}
-    assert names == sources | {"blender_manifest.toml", "__init__.py", "LICENSE"}
+    data = {"pcc_addon/core/effect_costs.json"}
+    assert names == sources | data | {"blender_manifest.toml", "__init__.py", "LICENSE"}
 
 
 @pytest.mark.without_blender
