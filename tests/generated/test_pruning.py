@@ -28,6 +28,7 @@ from .scenes import Drawn, drawn
 _NEWEST = bpy.app.version >= (5, 2)
 QUICK, ALL = 10, 200 if _NEWEST else 40
 EEVEE = 12 if _NEWEST else 3
+on_newest = pytest.mark.skipif(not _NEWEST, reason="tried on the newest Blender, as it takes long")
 EEVEE_TOLERANCE = 2e-3
 """Absolute; EEVEE reads pictures in half precision."""
 
@@ -65,6 +66,7 @@ def test_everything_can_be_forced_at_once(number: int, state: str) -> None:
 
 
 @pytest.mark.heavy
+@on_newest
 @pytest.mark.parametrize("state", ["ON", "OFF"])
 @pytest.mark.parametrize("effect", Effect, ids=lambda effect: effect.key)
 def test_any_effect_can_be_forced(effect: Effect, state: str) -> None:
@@ -139,6 +141,7 @@ FILES: dict[str, Callable[[Path], None]] = {"any cubemap": _any_cubemap, "living
 
 
 @pytest.mark.heavy
+@on_newest
 @pytest.mark.parametrize("name", [*SAMPLES, *FILES])
 def test_a_sample_looks_as_with_everything_on(name: str, tmp_path: Path) -> None:
     SAMPLES[name]() if name in SAMPLES else FILES[name](tmp_path)
