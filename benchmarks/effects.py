@@ -22,8 +22,6 @@ from pathlib import Path
 from statistics import median
 
 import bpy
-import numpy as np
-from mathutils import Vector
 
 from benchmarks.effects_cases import BAKES, CASES, Case, build, switch
 from benchmarks.measure import ROOT, render, start, table, write_between
@@ -34,9 +32,10 @@ from pcc_addon.core.costs import TABLE, Cost, cost_table
 from pcc_addon.core.decisions import Effect
 from pcc_addon.core.probe import Engine
 from sample_blends import any_cubemap, glass, moving, scenes, two_rooms
+from sample_blends.build import SAMPLES
 
 ROUNDS = 3
-SAMPLES = {Engine.CYCLES: 32, Engine.EEVEE: 4}
+PIXEL_SAMPLES = {Engine.CYCLES: 32, Engine.EEVEE: 4}
 PAGE = ROOT / "docs" / "effects.md"
 
 
@@ -63,7 +62,7 @@ def alternate(scene: bpy.types.Scene, engine: Engine, states: Sequence[Callable[
     for turn in range(ROUNDS + 1):
         for k in [(turn + k) % len(states) for k in range(len(states))]:
             states[k]()
-            seconds[k].append(render(scene, engine, SAMPLES[engine]).seconds)
+            seconds[k].append(render(scene, engine, PIXEL_SAMPLES[engine]).seconds)
     return [median(each[1:]) for each in seconds]
 
 
@@ -179,12 +178,8 @@ def _of_samples(rooms: Sequence[str]) -> str:
 
 
 def _samples(rooms: Sequence[str]) -> dict[str, Callable[[], object]]:
-    def emissive() -> None:
-        scenes.emissive_room()
-        scenes.add_room_probe(scenes.EMISSIVE_ROOM, (0.0, 0.0, -0.35))
-
     found: dict[str, Callable[[], object]] = {
-        "emissive room": emissive,
+        "emissive room": SAMPLES["emissive_room.blend"],
         "gallery": scenes.gallery,
         "any cubemap": any_cubemap.any_cubemap,
         "glass": glass.glass,
@@ -198,12 +193,8 @@ def _samples(rooms: Sequence[str]) -> dict[str, Callable[[], object]]:
 def _open(path: str) -> None:
     """A room of others, with a probe around all that is in it."""
     bpy.ops.wm.open_mainfile(filepath=path)
-    if all_probes(bpy.context.scene):
-        return
-    items = [item for item in bpy.context.scene.objects if item.type == "MESH"]
-    corners = np.array([item.matrix_world @ Vector(corner) for item in items for corner in item.bound_box])
-    low, high = corners.min(0), corners.max(0)
-    bpy.ops.pcc.probe_add(name="Room", location=(low + high) / 2.0, half_extents=(high - low) / 2.0)
+    if not all_probes(bpy.context.scene):
+        scenes.add_probe_around(bpy.context.scene)
 
 
 def measure_sample() -> list[str]:

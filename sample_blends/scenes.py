@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 from mathutils import Euler, Matrix, Vector
 
 
@@ -162,6 +163,15 @@ def add_room_probe(room: Room, capture_offset: tuple[float, float, float] = (0.0
         half_extents=room.half_extents,
         capture_offset=capture_offset,
     )
+    return bpy.context.object
+
+
+def add_probe_around(scene: bpy.types.Scene) -> bpy.types.Object:
+    """A probe called "Room" whose box is that of all meshes of a scene, along the world's axes."""
+    items = [item for item in scene.objects if item.type == "MESH"]
+    corners = np.array([item.matrix_world @ Vector(corner) for item in items for corner in item.bound_box])
+    low, high = corners.min(0), corners.max(0)
+    bpy.ops.pcc.probe_add(name="Room", location=(low + high) / 2.0, half_extents=(high - low) / 2.0)
     return bpy.context.object
 
 

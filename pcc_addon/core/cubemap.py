@@ -64,16 +64,16 @@ def sample_faces(
 
     Args:
         faces: six arrays (n, n, channels) in the order of `FACES`, n = resolution + 2·overscan, row 0 at the bottom;
-            None for those that are not there, at least one is.
+            None for those that are not there, at least one is; `otherwise` says what they have.
         overscan: texels that each face holds beyond its 90°, at least 2: lookups at an edge read real pixels.
         directions: (..., 3), world space, not zero.
-        otherwise: (..., channels): what directions have whose faces are not there; None: `beyond_edges` of the face.
+        otherwise: (..., channels): what directions have whose faces are not there; None where all are.
 
     Returns:
         (..., channels) float32.
 
     Raises:
-        ValueError: the overscan is below 2 texels, or there is no face.
+        ValueError: the overscan is below 2 texels, or there is no face, or one that is asked for is not there.
     """
     if overscan < 2:
         raise ValueError(f"bicubic lookup needs an overscan of at least 2 texels, not {overscan}")
@@ -84,8 +84,9 @@ def sample_faces(
     for k, chosen, a, b in find_faces(flat):
         picture = faces[k]
         if picture is None:
-            given = beyond_edges(faces, overscan, k) if otherwise is None else otherwise.reshape(-1, channels)[chosen]
-            result[chosen] = given
+            if otherwise is None:
+                raise ValueError(f"face {FACES[k].name} is not there, and nothing is given otherwise")
+            result[chosen] = otherwise.reshape(-1, channels)[chosen]
             continue
         column = (a + 1.0) * (0.5 * resolution) - 0.5 + overscan
         row = (b + 1.0) * (0.5 * resolution) - 0.5 + overscan

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .cubemap import face_shape, sample_faces
+from .cubemap import beyond_edges, face_shape, sample_faces
 
 
 def directions(width: int, height: int, rows: slice = slice(None)) -> np.ndarray:
@@ -53,12 +53,22 @@ def from_faces(
     """
     resolution = face_shape(faces)[0] - 2 * overscan
     width, height = 4 * resolution, 2 * resolution
+    whole = faces if before is not None else _guessed(faces, overscan)
     blocks = []
     for start in range(0, height, rows_at_once):
         rows = slice(start, start + rows_at_once)
         otherwise = None if before is None else before[rows]
-        blocks.append(sample_faces(faces, overscan, _turned(directions(width, height, rows), axes), otherwise))
+        blocks.append(sample_faces(whole, overscan, _turned(directions(width, height, rows), axes), otherwise))
     return np.concatenate(blocks)
+
+
+def _guessed(faces: Sequence[np.ndarray | None], overscan: int) -> list[np.ndarray]:
+    """Faces with those that are not there in one colour."""
+    size, channels = face_shape(faces)
+    return [
+        np.broadcast_to(beyond_edges(faces, overscan, k), (size, size, channels)) if face is None else face
+        for k, face in enumerate(faces)
+    ]
 
 
 def _turned(vectors: np.ndarray, axes: np.ndarray | None) -> np.ndarray:

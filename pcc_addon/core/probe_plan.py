@@ -86,12 +86,12 @@ def plan_probe(
         on_walls=bool(touching) or starting_aside,
         rough=any(surface.roughness != (0.0, 0.0) for surface in surfaces),
     )
-    words = {
-        Effect.FADE: f"surfaces of {named(outside)} reach beyond its box",
-        Effect.OUTER_SIDES: f"surfaces of {named(touching)} lie on its box and may be seen from outside",
-        Effect.WALLS: f"surfaces of {named(touching)} touch its walls",
-    }
-    words = {effect: why for effect, why in words.items() if "of  " not in why}
+    causes = (
+        (Effect.FADE, outside, "reach beyond its box"),
+        (Effect.OUTER_SIDES, touching, "lie on its box and may be seen from outside"),
+        (Effect.WALLS, touching, "touch its walls"),
+    )
+    words = {effect: f"surfaces of {named(names)} {do}" for effect, names, do in causes if names}
     captured_at = reading.captured_at if reading.captured_at is not None else tuple(spec.capture_point)
     source = reading.source if reading.captured_at is not None else spec.source
     lookup = plan_lookup(spec, receivers, captured_at, source, words)

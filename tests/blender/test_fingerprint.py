@@ -10,7 +10,8 @@ from pathlib import Path
 import bpy
 import pytest
 
-from pcc_addon.blender.read.fingerprint import SceneFingerprint, node_lines
+from pcc_addon.blender.read.fingerprint import SceneFingerprint
+from pcc_addon.blender.read.node_lines import node_lines
 from pcc_addon.core.probe import Engine
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import save

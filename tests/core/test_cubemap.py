@@ -160,3 +160,11 @@ def test_the_length_of_a_direction_does_not_matter_and_its_shape_is_kept() -> No
 def test_an_overscan_too_small_for_the_lookup_is_refused() -> None:
     with pytest.raises(ValueError, match="overscan of at least 2"):
         sample_faces([np.zeros((10, 10, 3), np.float32)] * 6, 1, np.array([1.0, 0.0, 0.0]))
+
+
+def test_a_face_that_is_not_there_needs_something_given_otherwise() -> None:
+    faces = [None, *[np.ones((8 + 2 * OVERSCAN, 8 + 2 * OVERSCAN, 3), np.float32)] * 5]
+    d = np.array([[1.0, 0.1, 0.2], [-1.0, 0.1, 0.2]])
+    with pytest.raises(ValueError, match=r"face \+X is not there"):
+        sample_faces(faces, OVERSCAN, d)
+    assert sample_faces(faces, OVERSCAN, d, np.full((2, 3), 7.0)).tolist() == [[7.0] * 3, [1.0] * 3]

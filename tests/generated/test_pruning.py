@@ -10,7 +10,6 @@ from pprint import pformat
 import bpy
 import numpy as np
 import pytest
-from mathutils import Vector
 
 from benchmarks.measure import ROOT
 from pcc_addon.blender.status import statuses
@@ -109,10 +108,7 @@ def _living_room(folder: Path) -> None:
     if not path.is_file():
         pytest.skip(f"{path.name} is not here")
     _open(path, folder)
-    items = [item for item in bpy.context.scene.objects if item.type == "MESH"]
-    corners = np.array([item.matrix_world @ Vector(corner) for item in items for corner in item.bound_box])
-    low, high = corners.min(0), corners.max(0)
-    bpy.ops.pcc.probe_add(name="Room", location=(low + high) / 2.0, half_extents=(high - low) / 2.0)
+    scenes.add_probe_around(bpy.context.scene)
 
 
 def _any_cubemap(folder: Path) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-_PLAN = ("tests/core/test_plan.py", "tests/core/test_plan_report.py")
+_OF_PROBES = "tests/core/test_plan_probes.py"
+_OF_MATERIALS = "tests/core/test_plan_materials.py"
+_PLAN = ("tests/core/test_plan.py", _OF_PROBES, _OF_MATERIALS, "tests/core/test_plan_report.py")
 _REFLECTANCE = ("tests/core/test_reflectance.py",)
 _LOBES = ("tests/core/test_plan.py", *_REFLECTANCE)
 _TWINS = ("tests/blender/test_twin_nodes.py", "tests/blender/test_live.py")
@@ -14,12 +16,21 @@ _SUBJECTS = "tests/conformance/test_subjects.py"
 SUITES: dict[str, tuple[str, ...]] = {
     "core/belonging.py": ("tests/core/test_belonging.py", *_PLAN),
     "core/plan.py": _PLAN,
+    "core/surface_plan.py": _PLAN,
+    "core/material_plan.py": _PLAN,
+    "core/probe_plan.py": _PLAN,
+    "core/lookup_plan.py": (_OF_PROBES, "tests/core/test_probe.py", "tests/core/test_stretched.py"),
+    "core/decisions.py": _PLAN,
+    "core/forcing.py": ("tests/core/test_plan.py",),
+    "core/surface_decisions.py": ("tests/core/test_plan.py", "tests/core/test_plan_report.py"),
+    "core/costs.py": ("tests/core/test_plan_report.py",),
+    "core/words.py": _PLAN,
     "core/plan_report.py": ("tests/core/test_plan_report.py",),
     "core/influence.py": ("tests/core/test_influence.py", "tests/core/test_probe.py", "tests/core/test_coverage.py"),
-    "core/parts.py": ("tests/core/test_parts.py", "tests/core/test_plan.py"),
+    "core/parts.py": ("tests/core/test_parts.py", _OF_MATERIALS),
     "core/faces_needed.py": ("tests/core/test_faces_needed.py",),
     "core/reach.py": ("tests/core/test_reach.py", "tests/core/test_faces_needed.py"),
-    "core/pictures.py": ("tests/core/test_pictures.py", "tests/core/test_plan.py", "tests/core/test_sidecar.py"),
+    "core/pictures.py": ("tests/core/test_pictures.py", _OF_PROBES, "tests/core/test_sidecar.py"),
     "core/probe.py": ("tests/core/test_probe.py", "tests/core/test_formula.py", "tests/core/test_stretched.py"),
     "core/frames.py": ("tests/core/test_frames.py",),
     "core/workplace.py": ("tests/core/test_workplace.py",),
@@ -63,7 +74,7 @@ SUITES: dict[str, tuple[str, ...]] = {
         "tests/core/test_lookup.py",
         "tests/core/test_probe.py",
         "tests/core/test_formula.py",
-        "tests/core/test_plan.py",
+        _OF_PROBES,
     ),
     "core/effects/roughness.py": ("tests/core/test_roughness.py", _SUBJECTS),
     "core/effects/shading.py": (*_LOBES, "tests/core/test_transmission.py"),

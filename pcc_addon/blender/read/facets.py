@@ -10,8 +10,8 @@ import numpy as np
 from ...core.effects.kinds import KINDS, may_transmit
 from ...core.readings import FacetReading, SurfaceReading
 from .. import marks
+from .moving import is_animated
 from .nodes import outputs
-from .probes import is_animated
 
 _MOST_POLYGONS, _MOST_NORMALS = 4000, 8
 _SHARP = 0.1  # roughness; rougher surfaces mix what lies all around

@@ -15,7 +15,8 @@ from ...core.readings import CameraReading, FacetReading, PlacementReading, Prob
 from .. import marks
 from .facets import FacetReader, is_sharp
 from .materials import read_material
-from .probes import all_probes, bake_record, check_place, is_animated, is_moving, probe_spec
+from .moving import is_animated, is_moving
+from .probes import all_probes, bake_record, check_place, probe_spec
 from .shown import OtherReaders, other_readers
 from .walls import read_wall
 

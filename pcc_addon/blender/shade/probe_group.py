@@ -29,8 +29,7 @@ VERSION = 7
 ROLE = "probe"
 UNKNOWN_RECEIVERS = Receivers()
 _BUILT_FOR = "built_for"  # the probe's matrix and drawn size when its group was built
-_EFFECTS = "effects"  # the label of the lookup that it was built with
-_LOOKUP = "lookup"  # that lookup, as plain values
+_LOOKUP = "lookup"  # the lookup that it was built with, as plain values
 _RECEIVERS = "receivers"  # what was known then of the surfaces that show it
 _RUNGS, _FADE = "rungs", "fade"  # as in ShownProbe
 _SHARES = "shares"  # whether it says how deep a point lies in its box
@@ -76,7 +75,6 @@ def refresh_group(
     playback.play(tree, record, images.values())
     marks.note(tree, marks.VERSION, VERSION)
     marks.note(tree, _BUILT_FOR, _place(probe))
-    marks.note(tree, _EFFECTS, effects.label)
     marks.note(tree, _RECEIVERS, asdict(receivers))
     marks.note(tree, _LOOKUP, effects.to_plain())
     marks.note(tree, _RUNGS, rungs)
@@ -130,7 +128,8 @@ def is_current(probe: bpy.types.Object) -> bool:
 
 def shown_effects(tree: bpy.types.ShaderNodeTree) -> str:
     """The label of the lookup effects that a probe's group was built for."""
-    return marks.noted(tree, _EFFECTS, "")
+    built = built_lookup(tree)
+    return built.label if built is not None else ""
 
 
 def built_lookup(tree: bpy.types.ShaderNodeTree) -> LookupEffects | None:

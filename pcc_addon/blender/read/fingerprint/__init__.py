@@ -28,15 +28,12 @@ from ....core.face_views import may_show
 from ....core.picture_files import picture_files
 from ....core.probe import Engine, ProbeSpec, Source
 from ... import compat
-from ..node_lines import material_lines, node_lines
 from .digests import digest, plain, unordered
 from .evaluated import Shapes
 from .objects import Objects, Placed
 from .pictures import contents
 from .scene_settings import of_scene
 from .unlit import Matt, Unlit
-
-__all__ = ["SceneFingerprint", "material_lines", "node_lines"]
 
 # Fields of a probe's record that its pictures depend on; the capture point stands for the box and the offset.
 _CAPTURED = [

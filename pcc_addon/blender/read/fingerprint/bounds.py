@@ -5,7 +5,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..probes import is_animated, is_disabled
+from ..moving import is_animated
+from ..probes import is_disabled
 
 _RIGID = {"OBJECT", "BONE", "VERTEX", "VERTEX_3"}  # parents that move an object and leave its shape
 _CORNERS = np.array(list(np.ndindex(2, 2, 2)), np.float64)

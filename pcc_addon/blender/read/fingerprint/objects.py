@@ -9,7 +9,8 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..probes import is_animated, is_disabled
+from ..moving import is_animated
+from ..probes import is_disabled
 from .bounds import Bounds
 from .digests import COLOR, EVALUATED, FRAME, INDEX, RANDOM, Found, Read, digest, plain, unordered
 from .evaluated import Shapes
