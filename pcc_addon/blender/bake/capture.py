@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 
 import bpy
@@ -19,7 +19,7 @@ from .. import compat
 from ..overrides import override, temporary
 from ..read.scene import rendered_objects
 from ..rendering import Renderer, RenderSettings
-from . import lamps
+from . import lamps, survey
 
 _SENSOR = 36.0
 _RAYS_OF_AN_OBJECT = 32
@@ -65,6 +65,7 @@ class Stage:
         self._things = len(view_layer.depsgraph.object_instances)
         self._probes = list(probes)
         self._faces = faces or {}
+        self._surveying = False
         self._most = 1 if _looks_at_camera(scene) else min(max(len(self._probes), at_once), _TOGETHER)
         self._lens = temporary(stack, bpy.data.cameras, bpy.data.cameras.new("pcc capture"))
         name = f"pcc capture {uuid.uuid4().hex}"  # which nobody has: views find their cameras by name
@@ -84,9 +85,10 @@ class Stage:
         coming = self._coming(probe)
         self._ready = {key: face for key, face in self._ready.items() if key[0] in coming}
         self._renderer.use(_settings(probe))
+        by_eevee = probe.engine is Engine.EEVEE and not self._surveying
         for name in probe.hidden:
             override(stack, bpy.data.objects[name], "hide_render", True)
-        if probe.engine is Engine.EEVEE and not compat.EEVEE_DRAWS_LAMPS:
+        if by_eevee and not compat.EEVEE_DRAWS_LAMPS:
             lamps.add_stand_ins(stack, scene, Vector(probe.capture_point), probe.clip_end)
         lens.sensor_fit = "HORIZONTAL"
         lens.sensor_width = _SENSOR
@@ -106,6 +108,31 @@ class Stage:
     def glimpse(self, probe: ProbeSpec, index: int) -> np.ndarray:
         """A face by Cycles of one sample for each pixel, without the denoiser that would hide its faults."""
         return self._face(probe, index, replace(_settings(probe), samples=1, denoise=False))
+
+    @contextmanager
+    def survey(self) -> Iterator[None]:
+        """Let faces show meanwhile how near things are, for `nearness`; whole surveys belong together.
+
+        After each change of what materials are, a renderer reads the scene anew.
+        """
+        with ExitStack() as stack:
+            survey.show_nearness(stack, self.scene, self.view_layer)
+            override(stack, self, "_surveying", True)
+            self._ready.clear()
+            stack.callback(self._ready.clear)
+            yield
+
+    def nearness(self, probe: ProbeSpec, index: int) -> np.ndarray:
+        """One face during a `survey`: (n + 2·OVERSCAN, same, 3) float32, 1/metres, three times the same.
+
+        That is the reciprocal of the distance from the capture point, through the centre of each pixel; 0 where nothing
+        is. By Cycles, whatever the probe's engine.
+
+        Raises:
+            Cancelled, BakeError: as `face`.
+        """
+        size = _size(probe)
+        return self._face(probe, index, RenderSettings(Engine.CYCLES, 1, False, size, size))
 
     def _face(self, probe: ProbeSpec, index: int, settings: RenderSettings) -> np.ndarray:
         self._renderer.use(settings)
@@ -133,7 +160,7 @@ class Stage:
             self.owed[each.name] = self.owed.get(each.name, 0.0) + seconds / len(views)
 
     def _is_asked_for(self, probe: ProbeSpec, face: Face) -> bool:
-        return face.name in self._faces.get(probe.name, FACE_NAMES)
+        return self._surveying or face.name in self._faces.get(probe.name, FACE_NAMES)
 
     def _alike(self, probe: ProbeSpec, settings: RenderSettings) -> list[ProbeSpec]:
         """The probes whose faces are rendered with those of one: it and the next ones that nothing sets apart."""

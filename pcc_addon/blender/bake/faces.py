@@ -94,6 +94,23 @@ def _assembled(capture: Capture) -> np.ndarray:
     return equirect.from_faces(faces, OVERSCAN, before=before)
 
 
+def survey(stage: Stage, spec: ProbeSpec) -> Generator[str, None, np.ndarray]:
+    """1/metres from the capture point to what is nearest, (2n, 4n) float32; yields what comes next.
+
+    Within a `Stage.survey`; 0 where nothing is.
+
+    Raises:
+        Cancelled, BakeError: as `Stage.face`.
+    """
+    found = []
+    with ExitStack() as stack:
+        stage.aim(stack, spec)
+        for index, name in enumerate(FACE_NAMES):
+            yield f"distance, face {name}"
+            found.append(stage.nearness(spec, index)[..., :1])
+    return equirect.from_faces(found, OVERSCAN)[..., 0]
+
+
 def warnings_of(
     picture: np.ndarray, spec: ProbeSpec, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
 ) -> list[str]:

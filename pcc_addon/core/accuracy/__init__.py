@@ -1,0 +1,1 @@
+"""What accuracy costs in time: measurements of settings and of path tracing, and what follows from them."""
