@@ -34,6 +34,7 @@ class PCC_PT_probe(bpy.types.Panel):
         else:
             column.prop(settings, "engine")
         column.prop(settings, "resolution")
+        column.prop(settings, "half_float")
         if settings.source != "IMAGE":
             column.prop(settings, "samples")
             if settings.engine == "CYCLES":
@@ -47,7 +48,10 @@ class PCC_PT_probe(bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "correction")
         box = column.column()
-        box.active = settings.correction == "BOX"
+        box.active = settings.correction != "NONE"
+        if settings.correction == "RELIEF":
+            box.prop(settings, "relief_steps")
+            box.prop(settings, "relief_refinements")
         box.prop(settings, "padding")
         box.prop(settings, "falloff")
         box.prop(settings, "outside")
@@ -89,7 +93,7 @@ class PCC_PT_influence(bpy.types.Panel):
         column.prop(settings, "receivers")
         column.prop(settings, "excluded")
         box = layout.column()
-        box.active = settings.correction == "BOX"
+        box.active = settings.correction != "NONE"
         box.prop(settings, "influence_low", text="Beyond −X, −Y, −Z")
         box.prop(settings, "influence_high", text="Beyond +X, +Y, +Z")
         box.prop(settings, "falloff_per_face")
