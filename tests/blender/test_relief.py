@@ -20,7 +20,18 @@ from pcc_addon.core.decisions import Decision, Effect
 from pcc_addon.core.effects import relief
 from pcc_addon.core.pictures import NEARNESS
 from pcc_addon.core.radiance import as_half
-from tests.blender.helpers import ROOM, bake, glow, paint_wall, picture, pictures_of, put_in, save, small_room
+from tests.blender.helpers import (
+    ROOM,
+    bake,
+    glow,
+    paint_wall,
+    picture,
+    pictures_of,
+    put_in,
+    save,
+    small_probe,
+    small_room,
+)
 
 MISSING = "its distances were not captured and are needed now; bake it again, which then renders nothing else"
 
@@ -196,3 +207,20 @@ def test_pictures_in_half_precision(furnished, tmp_path: Path) -> None:
     assert np.array_equal(picture(furnished), as_half(whole)) and found()[0].state == "baked"
     assert pictures_of(furnished)[1].stat().st_size < size
     assert not np.array_equal(as_half(picture(furnished, NEARNESS)), picture(furnished, NEARNESS))
+
+
+def test_a_second_probe_shows_what_the_first_cannot_see(furnished) -> None:
+    """Its capture point lies behind the block, so that points there choose by what each of them sees."""
+    second = small_probe("Second", capture_offset=(1.6, 1.2, -0.6))
+    second.pcc_probe.correction = "RELIEF"
+    furnished.pcc_probe.priority = 1
+    bake(furnished, second)
+    put_in()
+    tree = bpy.data.materials["Floor"].node_tree
+    groups = [node.node_tree.name for node in tree.nodes if node.bl_idname == "ShaderNodeGroup"]
+    assert groups.count("PCC Probe Yields") == 1 and "PCC Seen by Both" not in groups
+    assert "Seen" in probe_group.outputs(furnished.pcc_probe.group)
+    for probe in (furnished, second):
+        probe.pcc_probe.correction = "BOX"
+    groups = [node.node_tree.name for node in tree.nodes if node.bl_idname == "ShaderNodeGroup"]
+    assert "PCC Probe Yields" not in groups

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pcc_addon.core import equirect, nearness
 from pcc_addon.core.backends.arrays import evaluate
-from pcc_addon.core.effects import lookup, relief
+from pcc_addon.core.effects import choice, lookup, relief
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from pcc_addon.core.expression import Formula
 from pcc_addon.core.probe import Box, ProbeSpec
@@ -274,3 +274,38 @@ def test_walls_are_as_near_as_geometry_says() -> None:
     expected = 1.0 / to_walls(np.broadcast_to(spec.capture_point, ways.shape), ways)
     np.testing.assert_allclose(nearness.along(spec, ways), expected, rtol=1e-12)
     np.testing.assert_allclose(nearness.along(spec, 3.0 * ways), expected, rtol=1e-12)
+
+
+def seen(spec: ProbeSpec, at: np.ndarray, ray: np.ndarray, picture: np.ndarray) -> np.ndarray:
+    effects = LookupEffects(Correction.ORIENTED_BOX, None, steps=64, refinements=12)
+    return found(effects, inputs(spec, at, ray), picture)["Seen"]
+
+
+def test_it_knows_what_the_capture_point_cannot_see() -> None:
+    """A wall stands between: rays before it are seen, those that start or end behind it are not."""
+    spec = room_spec(capture=(-2.0, 0.0, 0.0))
+    wall = Block((0.0, -3.0, -1.4), (0.1, 3.0, 0.7))
+    picture = captured([wall], spec.capture_point)
+    up, along = (0.0, 0.0, 1.0), unit(np.array([1.0, 0.0, 0.2]))
+    at = np.array([[-1.0, 0.0, -1.4], [1.0, 0.0, -1.4], [-1.0, 0.0, -1.4]])
+    assert np.allclose(seen(spec, at, np.array([up, up, along]), picture), [1.0, 0.0, 1.0], atol=1e-3)
+
+
+@settings(max_examples=200, deadline=None)
+@given(*[st.floats(0.0, 1.0)] * 4)
+def test_a_probe_yields_only_to_what_sees_better(weight, sees, before, coverage) -> None:
+    values = {"Weight": weight, "Seen": sees, "Seen Before": before, "Coverage": coverage}
+    left = float(evaluate(choice.YIELDING.outputs, {k: np.array(v) for k, v in values.items()}, np.float64)["Weight"])
+    assert 0.0 <= left <= weight
+    if sees == 1.0 or before == 0.0 or coverage == 0.0:
+        assert left == weight
+    # What it gives up is covered by those before it, so that no more of the surface's own lobe is seen.
+    assert (
+        left + coverage * (1.0 - left)
+        >= weight + coverage * (1.0 - weight) - (weight - left) * (1.0 - coverage) - 1e-12
+    )
+
+
+def test_two_probes_show_what_each_of_them_sees() -> None:
+    values = {"Seen": np.array([1.0, 0.0]), "Seen Before": np.array([0.0, 1.0]), "Share": np.array([1.0, 0.0])}
+    assert evaluate(choice.SEEN_BY_BOTH.outputs, values, np.float64)["Seen"].tolist() == [1.0, 1.0]

@@ -232,9 +232,10 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
 
 def relieved(effects: LookupEffects, found: Mapping[str, Expr], direction: Expr) -> dict[str, Expr]:
     """What a lookup with relief is without: `lookup` gives what is found, and the ray's direction is that of there."""
-    place = relief.met(direction, found["Aside"], found["Exit"], effects.steps, effects.refinements)
+    met = relief.met(direction, found["Aside"], found["Exit"], effects.steps, effects.refinements)
+    place = met["Place"]
     way = Section("Direction from the capture point", operation(Op.SUBTRACT, direction * place, found["Aside"]))
-    kept = {name: found[name] for name in ("Weight", "Presence") if name in found}
+    kept = {name: found[name] for name in ("Weight", "Presence") if name in found} | {"Seen": met["Seen"]}
     hardened: dict[str, Expr] = {}
     if effects.hardening:
         hardened["Spread"] = Section("Contact hardening", spread(way * (1.0 / place)))
@@ -323,8 +324,8 @@ def probe(
 
     Returns:
         A formula with a radiance for each picture, which it samples under the output's name; with "Weight" where
-        surfaces keep some of their own lobe; with "Depth" of `depth_formula` where it shares; and with "Spread" of
-        `spread` where it hardens.
+        surfaces keep some of their own lobe; with "Depth" of `depth_formula` where it shares, and with "Seen" of
+        `relief.met` where it has relief too; and with "Spread" of `spread` where it hardens.
     """
     found = found_along(effects, lift((known or {}).get("Direction", DIRECTION)), known)
     corrected = effects.correction is not Correction.NONE
@@ -342,4 +343,6 @@ def probe(
     if shares:
         box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction
         outputs["Depth"] = depth_formula(box, effects.per_face).at(known or {})["Depth"]
+        if effects.steps:
+            outputs["Seen"] = found["Seen"]
     return Formula("Probe", outputs)

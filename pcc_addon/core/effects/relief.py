@@ -25,6 +25,7 @@ from ..expression import (
     Op,
     Sample,
     Section,
+    clamp,
     length,
     lift,
     maximum,
@@ -57,6 +58,7 @@ LAST = scalar("Last Place")
 LOW, HIGH = scalar("Low"), scalar("High")
 
 _GROWTH = 1.5  # the power of the share of steps: steps near the start are short, as most that matters is near
+_HIDDEN = 0.1  # of the distance, beyond `_START`, from which on a place is hidden for certain
 _START = 0.02  # of the distance: what starts on a surface that the capture point sees is not behind it by rounding
 
 
@@ -99,13 +101,25 @@ HALVE = _halve()
 MIDDLE = Formula("Relief Middle", {"Place": (LOW + HIGH) * 0.5})
 
 
+def _seen() -> Expr:
+    hidden = operation(Op.SUBTRACT, length(WAY) * CAPTURED, EXIT * (1.0 + _START))
+    return (1.0 - clamp(hidden / (EXIT * _HIDDEN))) * (1.0 - BEHIND)
+
+
+SEEN = Formula("Relief Seen", {"Seen": _seen()})
+"""Whether the capture point sees the place that a ray ends at, 0 … 1; 0 where something before it was captured.
+
+What starts behind something may meet whatever is hidden there, before it comes out.
+"""
+
+
 def places(steps: int) -> list[float]:
     """(steps) of 0 … 1, ascending, the last one 1: where a ray is looked at."""
     return [((k + 1) / steps) ** _GROWTH for k in range(steps)]
 
 
-def met(ray: Expr, aside: Expr, leaves: Expr, steps: int, refinements: int) -> Expr:
-    """Which share of its way to the box's wall a ray goes until it meets what was captured, 0 … 1; 1 if nothing.
+def met(ray: Expr, aside: Expr, leaves: Expr, steps: int, refinements: int) -> dict[str, Expr]:
+    """Where a ray meets what was captured.
 
     Args:
         ray: its unit direction, world space.
@@ -113,6 +127,10 @@ def met(ray: Expr, aside: Expr, leaves: Expr, steps: int, refinements: int) -> E
         leaves: 1 over its way to the wall, 1/metres.
         steps: places that are looked at.
         refinements: how often the interval between two of them is halved.
+
+    Returns:
+        "Place": which share of its way to the wall it goes, 0 … 1; 1 where it meets nothing. "Seen": whether the
+        capture point sees that place, and the start, 0 … 1.
     """
 
     def seen(place: Expr) -> dict[str, Expr]:
@@ -129,7 +147,8 @@ def met(ray: Expr, aside: Expr, leaves: Expr, steps: int, refinements: int) -> E
         place = MIDDLE(Low=low, High=high)["Place"]
         found = HALVE(**seen(place), Low=low, High=high, Place=place)
         low, high = found["Low"], found["High"]
-    return Section("Relief", high)
+    shown = SEEN(**seen(high), Behind=with_start["Behind"])["Seen"]
+    return {"Place": Section("Relief", high), "Seen": Section("Relief", shown)}
 
 
 def departure(nearness: np.ndarray, of_box: np.ndarray) -> float:
