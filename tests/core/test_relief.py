@@ -268,6 +268,13 @@ def test_departure_is_that_of_what_stands_before_the_walls() -> None:
     assert relief.departure(open_wall, walls) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 1.4), (0.0, 0.0, 9.0), (4.0, 3.0, 1.4)])
+def test_departure_is_finite_where_the_capture_point_is_not_in_the_box(offset) -> None:
+    spec = room_spec(capture=offset, resolution=16)
+    far = relief.departure(np.full((32, 64), 0.3, np.float32), nearness.of_walls(spec))
+    assert relief.DEPARTS < far <= 1e6
+
+
 def test_walls_are_as_near_as_geometry_says() -> None:
     spec = room_spec(capture=(0.5, -0.3, 0.2))
     ways = equirect.directions(32, 16).reshape(-1, 3)

@@ -152,9 +152,15 @@ def met(ray: Expr, aside: Expr, leaves: Expr, steps: int, refinements: int) -> d
 
 
 def departure(nearness: np.ndarray, of_box: np.ndarray) -> float:
-    """The largest departure of captured nearness from that of a box's walls, over the latter.
+    """The largest departure of captured nearness from that of a box's walls, over the latter; at most 10⁶.
 
     Args:
-        nearness, of_box: (h, 2h), 1/metres, put together from faces in the same way.
+        nearness, of_box: (h, 2h), 1/metres, put together from faces in the same way. Where the capture point is on a
+            wall or beyond it the latter is infinite or not above 0.
     """
-    return float((np.abs(nearness - of_box) / of_box).max())
+    known = np.isfinite(nearness) & np.isfinite(of_box) & (of_box > 0.0)
+    off = np.abs(np.where(known, nearness, _MOST) - np.where(known, of_box, 0.0)) / np.where(known, of_box, 1.0)
+    return float(min(off.max(), _MOST))
+
+
+_MOST = 1e6
