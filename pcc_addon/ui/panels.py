@@ -7,6 +7,7 @@ import bpy
 from ..blender.read.probes import all_probes, bake_record
 from ..core.cubemap import FACE_NAMES
 from ..core.errors import PccError
+from ..core.presets import Preset
 from . import last_plan
 from .sentences import say
 
@@ -26,6 +27,9 @@ class PCC_PT_probe(bpy.types.Panel):
         layout.use_property_split = True
         settings = context.object.pcc_probe
         layout.prop(settings, "source")
+        row = layout.row(align=True)
+        for preset in Preset:
+            row.operator("pcc.preset", text=preset.label).preset = preset.name
         column = layout.column()
         if settings.source == "IMAGE":
             row = column.row(align=True)
