@@ -8,7 +8,20 @@ def register() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan, presets
+    from .ui import (
+        by_hand,
+        effects,
+        interior,
+        last_misfit,
+        last_plan,
+        misfit,
+        misfit_view,
+        operators,
+        panels,
+        picture,
+        plan,
+        presets,
+    )
 
     properties.register()
     for cls in (
@@ -20,6 +33,7 @@ def register() -> None:
         *by_hand.CLASSES,
         *panels.CLASSES,
         *effects.CLASSES,
+        *misfit.CLASSES,
     ):
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_lightprobe_add.append(panels.draw_add_menu)
@@ -27,6 +41,8 @@ def register() -> None:
     bpy.types.NODE_MT_shader_node_add_all.append(by_hand.draw_add_menu)
     handlers.register()
     last_plan.register()
+    last_misfit.register()
+    misfit_view.register()
     _shell_command(register=True)
 
 
@@ -35,9 +51,24 @@ def unregister() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan, presets
+    from .ui import (
+        by_hand,
+        effects,
+        interior,
+        last_misfit,
+        last_plan,
+        misfit,
+        misfit_view,
+        operators,
+        panels,
+        picture,
+        plan,
+        presets,
+    )
 
     _shell_command(register=False)
+    misfit_view.unregister()
+    last_misfit.unregister()
     last_plan.unregister()
     handlers.unregister()
     bpy.types.NODE_MT_shader_node_add_all.remove(by_hand.draw_add_menu)
@@ -53,6 +84,7 @@ def unregister() -> None:
             *by_hand.CLASSES,
             *panels.CLASSES,
             *effects.CLASSES,
+            *misfit.CLASSES,
         )
     ):
         bpy.utils.unregister_class(cls)

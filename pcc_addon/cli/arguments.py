@@ -59,6 +59,9 @@ def parser(file_is_open: bool) -> argparse.ArgumentParser:
     sub("remove", "restore the materials")
     sub("plan", "say which materials show which probe, and why others do not", saves=False)
     sub("status", "say which probes are baked, stale or faulty", saves=False)
+    lying = sub("misfit", "say how the probes' boxes lie to the room, and what they do not see", saves=False)
+    lying.add_argument("--probe", action="append", metavar="NAME", help="only this probe (may be repeated)")
+    lying.add_argument("--out", type=Path, metavar="DIR", help="write pictures of it into this folder")
     return whole
 
 

@@ -23,6 +23,7 @@ from ..core.picture_files import picture_files
 from ..core.plan_report import lines, records
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Source
 from ..stopping import Stop
+from . import misfit
 from .voice import Voice
 
 
@@ -177,4 +178,5 @@ COMMANDS: dict[str, Callable[[argparse.Namespace, Voice, Stop], int]] = {
     "remove": _remove,
     "plan": _plan,
     "status": _status,
+    "misfit": misfit.run,
 }

@@ -12,7 +12,7 @@ from pcc_addon.core.cubemap import FACES
 from pcc_addon.core.errors import ProbeError
 from pcc_addon.core.probe import Source
 from tests.core import boxes
-from tests.core.rooms import RESOLUTION, cuboid, rectangle, scene, spec_of, surveyed
+from tests.core.triangle_rooms import RESOLUTION, cuboid, rectangle, scene, spec_of, surveyed
 
 HALF, CENTRE, TURN = (3.0, 2.5, 1.4), (10.0, -7.0, 1.4), 0.4
 NOBODY = Sightings(np.zeros((0, 3)), ())

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import pytest
 
-from pcc_addon.core.png import png
+from pcc_addon.core.accuracy.png import png_of_bytes
 
 
 def read(data: bytes) -> np.ndarray:
@@ -35,15 +35,15 @@ def read(data: bytes) -> np.ndarray:
 @pytest.mark.parametrize("shape", [(1, 1), (3, 7), (40, 21)])
 def test_what_is_written_is_read(shape: tuple[int, int]) -> None:
     picture = np.random.default_rng(1).integers(0, 256, (*shape, 3), np.uint8)
-    assert np.array_equal(read(png(picture)), picture)
+    assert np.array_equal(read(png_of_bytes(picture)), picture)
 
 
 def test_a_view_of_a_picture_is_written_as_it_looks() -> None:
     picture = np.random.default_rng(1).integers(0, 256, (6, 4, 3), np.uint8)
-    assert np.array_equal(read(png(picture[::-1])), picture[::-1])
+    assert np.array_equal(read(png_of_bytes(picture[::-1])), picture[::-1])
 
 
 @pytest.mark.parametrize("wrong", [np.zeros((2, 2, 3)), np.zeros((2, 2), np.uint8), np.zeros((0, 2, 3), np.uint8)])
 def test_other_arrays_are_refused(wrong: np.ndarray) -> None:
     with pytest.raises(ValueError, match="uint8"):
-        png(wrong)
+        png_of_bytes(wrong)

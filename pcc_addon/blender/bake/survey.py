@@ -22,7 +22,7 @@ def show_nearness(stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.type
     override(stack, view_layer, "material_override", material)
     override(stack, scene, "world", None)
     for item in rendered_objects(scene, view_layer):
-        if item.type == "LIGHT" or _is_seen_through(item):
+        if item.type == "LIGHT" or is_seen_through(item):
             override(stack, item, "hide_render", True)
     for name, value in (
         ("sample_clamp_direct", 0.0),
@@ -52,7 +52,7 @@ def _glowing_by_nearness() -> bpy.types.Material:
     return material
 
 
-def _is_seen_through(item: bpy.types.Object) -> bool:
+def is_seen_through(item: bpy.types.Object) -> bool:
     """Whether what one sees of an object is what is behind it: panes of glass, and volumes."""
     materials = [slot.material for slot in item.material_slots if slot.material is not None]
     return bool(materials) and all(_is_clear(material) for material in materials)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..png import png
 from . import colours
+from .png import png_of_bytes
 from .scales import rounded_up, with_bar
 
 _DIM = 0.35  # of what is not measured
@@ -30,7 +30,7 @@ class Heat:
     @property
     def png(self) -> bytes:
         """The file."""
-        return png(self.picture)
+        return png_of_bytes(self.picture)
 
 
 def relative_errors(picture: np.ndarray, truth: np.ndarray, served: np.ndarray) -> np.ndarray:

@@ -9,13 +9,18 @@ from ..cubemap import FACES, face_directions
 from ..probe import ProbeSpec
 from . import colours
 from .lettering import write
-from .misfit import Misfit, at
+from .misfit import ON_THE_BOX, Misfit, at
 from .misfit_words import length
 from .scales import rounded_up, with_bar
+from .unseen import Unseen
 
 NOTHING = (0.30, 0.30, 0.34)
 """sRGB where nothing is seen."""
 
+UNSEEN = (0.85, 0.0, 0.35)
+"""sRGB of what the capture point does not see."""
+
+_SHADE = 0.35
 # Columns and rows in which each face has its neighbours beside it.
 _CROSS = {"+Z": (1, 0), "-X": (0, 1), "+Y": (1, 1), "+X": (2, 1), "-Y": (3, 1), "-Z": (1, 2)}
 _PAPER, _INK = (24, 24, 24), (20, 20, 20)
@@ -60,15 +65,36 @@ def cross(found: Misfit) -> np.ndarray:
     return _with_scale(picture, end)
 
 
+def unseen_around(found: Misfit, hidden: Unseen) -> np.ndarray:
+    """Where the samples lie that the capture point does not see, (h, w, 3) uint8 sRGB, row 0 at the top, with a legend.
+
+    All around, as `all_around`; behind what hides them. What is before the box is darker than the box.
+    """
+    height, width = found.offsets.shape
+    vectors = equirect.directions(width, height)
+    plain = np.where(found.offsets < -ON_THE_BOX, -_SHADE, 0.0)
+    picture = _edged(found.spec, vectors, np.repeat(0.9 + plain[..., None], 3, -1))
+    mark = np.zeros((height, width), bool)
+    u, v = equirect.coordinates(hidden.points - found.spec.capture_point)
+    mark[np.minimum((v * height).astype(np.intp), height - 1), (u * width).astype(np.intp) % width] = True
+    picture[mark] = UNSEEN
+    bar = np.array([[0.9] * 3, [0.9 - _SHADE] * 3, UNSEEN])
+    marks = [(0.0, "the box"), (0.5, "things"), (1.0, "not seen")]
+    return with_bar(colours.as_bytes(picture)[::-1], bar, marks)
+
+
 def _drawn(found: Misfit, vectors: np.ndarray, end: float) -> np.ndarray:
-    """(h, w, 3) uint8, row 0 at the top: the misfit in directions (h, w, 3), row 0 at the bottom, and the box's edges."""
-    picture = coloured(at(found.offsets, vectors), end)
-    wall = wall_of(found.spec, vectors)
+    """(h, w, 3) uint8, row 0 at the top: misfit and edges of the box in directions (h, w, 3), row 0 at the bottom."""
+    return colours.as_bytes(_edged(found.spec, vectors, coloured(at(found.offsets, vectors), end)))[::-1].copy()
+
+
+def _edged(spec: ProbeSpec, vectors: np.ndarray, picture: np.ndarray) -> np.ndarray:
+    """A picture (h, w, 3) of directions (h, w, 3) with the edges of the box darker."""
+    wall = wall_of(spec, vectors)
     edge = np.zeros(wall.shape, bool)
     edge[1:] |= wall[1:] != wall[:-1]
     edge[:, 1:] |= wall[:, 1:] != wall[:, :-1]
-    picture[edge] *= _EDGE
-    return colours.as_bytes(picture)[::-1].copy()
+    return np.where(edge[..., None], picture * _EDGE, picture)
 
 
 def wall_of(spec: ProbeSpec, vectors: np.ndarray) -> np.ndarray:

@@ -21,7 +21,9 @@ from ..probe import ProbeSpec
 from .misfit import Viewers, at
 from .sampling import Make, Place, Samples
 
-_SLACK = 0.05  # metres: a wall that a box drawn by hand misses by no more is still one of the room's
+SLACK = 0.05
+"""Metres: a wall that a box drawn by hand misses by no more is still one of the room's."""
+
 _EXACT = 1e-3  # of a distance: what a survey may be off on a plane
 _CREASED, _NEAR = 0.5, 6.0  # texels
 _STEEPEST = 0.2  # cosine: surfaces that are seen under a smaller angle are taken as if they were not
@@ -87,7 +89,7 @@ class Unseen:
 
 def influence_of(spec: ProbeSpec) -> Place:
     """Where surfaces are asked for: the probe's influence, and 5 cm more if its padding is less."""
-    reach = np.maximum(spec.influence_reach, _SLACK)
+    reach = np.maximum(spec.influence_reach, SLACK)
     ways = spec.box.face_normals
     middle = ways @ spec.box.centre
     offsets = np.concatenate([spec.box.half_widths + reach[1] + middle, spec.box.half_widths + reach[0] - middle])

@@ -8,7 +8,7 @@ from ..words import named
 from .unseen import Part, Unseen, UnseenPart
 
 _MOST_TOLD = 8
-_LEAST_TOLD = 0.01  # square metres
+_LEAST_TOLD = 5e-4  # of the surfaces
 
 
 def lines(found: Unseen, most: int = _MOST_TOLD) -> Iterator[str]:
@@ -16,7 +16,8 @@ def lines(found: Unseen, most: int = _MOST_TOLD) -> Iterator[str]:
     if not found.area:
         yield "No surface is in the probe's influence"
         return
-    told = [part for part in found.parts if part.area >= _LEAST_TOLD]
+    least = _LEAST_TOLD * found.area
+    told = [part for part in found.parts if part.area >= least]
     if not told:
         yield "The capture point sees all surfaces in the probe's influence"
     else:
@@ -27,7 +28,7 @@ def lines(found: Unseen, most: int = _MOST_TOLD) -> Iterator[str]:
     rest = told[most:]
     if rest:
         yield f"and {len(rest)} more, {square_metres(sum(part.area for part in rest))}"
-    if found.idle >= _LEAST_TOLD:
+    if found.idle >= least:
         yield f"{square_metres(found.idle)} more face nothing, such as the underside of what stands on the floor"
 
 

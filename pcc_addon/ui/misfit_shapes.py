@@ -1,0 +1,60 @@
+"""What the viewport shows of a misfit, as plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.accuracy.misfit import Misfit, at
+from ..core.accuracy.misfit_pictures import coloured, scale_end
+from ..core.accuracy.unseen import Unseen
+
+_CELLS = 64  # across a wall
+_INSET = 0.995  # of the half widths: the walls of the room lie there too
+_ALPHA = 0.7
+_LIFT = 0.004  # of the box's size: points over their surfaces
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """The inner sides of a box.
+
+    Attributes:
+        points: (n, 3) float32, world space, metres.
+        colours: (n, 4) float32, sRGB and alpha.
+        triangles: (t, 3) int32, counter-clockwise as seen from within.
+    """
+
+    points: np.ndarray
+    colours: np.ndarray
+    triangles: np.ndarray
+
+
+def walls(found: Misfit) -> Walls:
+    """The walls of a box, in the colours of its pictures."""
+    box = found.spec.box
+    line = np.linspace(-1.0, 1.0, _CELLS + 1)
+    across, along = (grid.ravel() for grid in np.meshgrid(line, line, indexing="ij"))
+    first = np.arange(_CELLS * (_CELLS + 1)).reshape(_CELLS, _CELLS + 1)[:, :-1].ravel()
+    corners = np.stack([first, first + _CELLS + 1, first + _CELLS + 2, first + 1], -1)  # counter-clockwise
+    handed = np.linalg.det(box.face_normals) > 0.0
+    places, triangles = [], []
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            unit = np.empty((len(across), 3))
+            unit[:, axis], unit[:, (axis + 1) % 3], unit[:, (axis + 2) % 3] = sign, across, along
+            turned = corners[:, ::-1] if (sign > 0.0) == handed else corners
+            whole = np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
+            triangles.append(whole + len(places) * len(across))
+            places.append(unit * box.half_widths * _INSET)
+    points = box.centre + np.concatenate(places) @ np.linalg.inv(box.face_normals).T
+    shown = coloured(at(found.offsets, points - found.spec.capture_point), scale_end(found))
+    colours = np.concatenate([shown, np.full((len(shown), 1), _ALPHA)], -1)
+    return Walls(points.astype(np.float32), colours.astype(np.float32), np.concatenate(triangles).astype(np.int32))
+
+
+def points(found: Misfit, hidden: Unseen) -> np.ndarray:
+    """(k, 3) float32, world space: the samples that are not seen, a little over their surfaces."""
+    lift = _LIFT * float(found.spec.box.half_extents.max())
+    return (hidden.points + lift * hidden.normals).astype(np.float32)
