@@ -12,7 +12,7 @@ from ..core.accuracy.unseen import Unseen
 
 _CELLS = 64  # across a wall
 _INSET = 0.995  # of the half widths: the walls of the room lie there too
-_ALPHA = 0.7
+_FAINT, _STRONG, _SOON = 0.15, 0.75, 0.2  # opacity on the box and off it, from which share of the scale on
 _LIFT = 0.004  # of the box's size: points over their surfaces
 
 
@@ -49,12 +49,18 @@ def walls(found: Misfit) -> Walls:
             triangles.append(whole + len(places) * len(across))
             places.append(unit * box.half_widths * _INSET)
     points = box.centre + np.concatenate(places) @ np.linalg.inv(box.face_normals).T
-    shown = coloured(at(found.offsets, points - found.spec.capture_point), scale_end(found))
-    colours = np.concatenate([shown, np.full((len(shown), 1), _ALPHA)], -1)
-    return Walls(points.astype(np.float32), colours.astype(np.float32), np.concatenate(triangles).astype(np.int32))
+    offsets, end = at(found.offsets, points - found.spec.capture_point), scale_end(found)
+    off = np.minimum(np.abs(offsets) / (_SOON * end), 1.0)
+    alpha = _FAINT + (_STRONG - _FAINT) * off
+    colours = np.concatenate([coloured(offsets, end), alpha[:, None]], -1)
+    return Walls(
+        np.ascontiguousarray(points, np.float32),
+        np.ascontiguousarray(colours, np.float32),
+        np.ascontiguousarray(np.concatenate(triangles), np.int32),
+    )
 
 
 def points(found: Misfit, hidden: Unseen) -> np.ndarray:
     """(k, 3) float32, world space: the samples that are not seen, a little over their surfaces."""
     lift = _LIFT * float(found.spec.box.half_extents.max())
-    return (hidden.points + lift * hidden.normals).astype(np.float32)
+    return np.ascontiguousarray(hidden.points + lift * hidden.normals, np.float32)

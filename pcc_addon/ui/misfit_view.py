@@ -1,4 +1,4 @@
-"""The last misfits in the viewport: the walls of the box by their distance, and what is not seen as points."""
+"""The last misfits in the viewport: the walls of the box by their misfit, and what is not seen as points."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..blender.accuracy.misfit_job import ProbeMisfit
 from ..core.accuracy.misfit_pictures import UNSEEN
 from . import last_misfit, misfit_shapes
 
-_POINT = 4.0  # pixels, at a scale of 1
+_POINT = 3.0  # pixels, at a scale of 1
 
 
 @dataclass(frozen=True, eq=False)

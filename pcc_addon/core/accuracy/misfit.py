@@ -18,6 +18,7 @@ ON_THE_BOX = 0.01
 """Metres: what is no farther from the box counts as on it."""
 
 _VIEWERS = 16
+_GRAZING = 1e-3  # sine: what is nearer to its own plane a flat surface does not mirror
 _READ = 2  # texels around one that bicubic reading asks
 _ROOM = 0.9  # of the half widths: where viewers stand by default
 
@@ -202,7 +203,7 @@ def _angles(spec: ProbeSpec, vectors: np.ndarray, distances: np.ndarray, viewers
         lengths = np.linalg.norm(rays, axis=-1)
         faced = lengths > 0.0
         if normal is not None:
-            faced &= rays @ normal > 0.0
+            faced &= rays @ normal > _GRAZING * lengths
         safe = np.where(faced[..., None], rays, 1.0)
         far = distances_to_box(spec.box, point, safe)[..., None] / np.linalg.norm(safe, axis=-1, keepdims=True)
         total += np.where(faced, _between(vectors, away + safe * far), 0.0)
