@@ -13,7 +13,8 @@ from ..core.accuracy.unseen import Unseen
 _CELLS = 64  # across a wall
 _INSET = 0.995  # of the half widths: the walls of the room lie there too
 _FAINT, _STRONG, _SOON = 0.15, 0.75, 0.2  # opacity on the box and off it, from which share of the scale on
-_LIFT = 0.004  # of the box's size: points over their surfaces
+_LIFT = 0.002  # of the box's size: patches over their surfaces
+_COVER = 0.3  # half a patch's side over the distance between samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,31 @@ def walls(found: Misfit) -> Walls:
     )
 
 
-def points(found: Misfit, hidden: Unseen) -> np.ndarray:
-    """(k, 3) float32, world space: the samples that are not seen, a little over their surfaces."""
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """A square on each sample that is not seen.
+
+    Attributes:
+        points: (4k, 3) float32, world space, metres.
+        triangles: (2k, 3) int32, counter-clockwise as seen from the side that is not seen.
+    """
+
+    points: np.ndarray
+    triangles: np.ndarray
+
+
+def patches(found: Misfit, hidden: Unseen) -> Patches:
+    """Squares that lie a little over the surfaces and cover a third of them."""
+    normals = hidden.normals
+    helper = np.where(np.abs(normals[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+    across = np.cross(helper, normals)
+    across /= np.linalg.norm(across, axis=-1, keepdims=True)
+    along = np.cross(normals, across)
     lift = _LIFT * float(found.spec.box.half_extents.max())
-    return np.ascontiguousarray(hidden.points + lift * hidden.normals, np.float32)
+    half = _COVER * np.sqrt(hidden.sample_area)
+    middle = hidden.points + lift * normals
+    corners = [middle + half * (a * across + b * along) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    first = 4 * np.arange(len(middle))[:, None]
+    triangles = np.concatenate([first + np.array(corner) for corner in ((0, 1, 2), (0, 2, 3))])
+    points = np.stack(corners, 1).reshape(-1, 3)
+    return Patches(np.ascontiguousarray(points, np.float32), np.ascontiguousarray(triangles, np.int32))

@@ -1,4 +1,4 @@
-"""The last misfits in the viewport: the walls of the box by their misfit, and what is not seen as points."""
+"""The last misfits in the viewport: the walls of the box by their misfit, and squares on what is not seen."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ from ..blender.accuracy.misfit_job import ProbeMisfit
 from ..core.accuracy.misfit_pictures import UNSEEN
 from . import last_misfit, misfit_shapes
 
-_POINT = 3.0  # pixels, at a scale of 1
-
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
@@ -21,7 +19,7 @@ class _Drawn:
 
     found: ProbeMisfit
     walls: gpu.types.GPUBatch
-    points: gpu.types.GPUBatch | None
+    patches: gpu.types.GPUBatch | None
 
 
 _drawn: dict[str, _Drawn] = {}  # by the probe's name
@@ -45,25 +43,22 @@ def draw() -> None:
     gpu.state.blend_set("ALPHA")
     try:
         for found in shown:
-            _draw_one(_batches(found), context.preferences.system.ui_scale or 1.0)
+            _draw_one(_batches(found))
     finally:
         gpu.state.face_culling_set("NONE")
         gpu.state.depth_test_set(before[0])
         gpu.state.depth_mask_set(before[1])
         gpu.state.blend_set(before[2])
-        gpu.state.point_size_set(1.0)
 
 
-def _draw_one(drawn: _Drawn, scale: float) -> None:
-    gpu.state.face_culling_set("BACK")  # one looks into the box from outside
+def _draw_one(drawn: _Drawn) -> None:
+    gpu.state.face_culling_set("BACK")  # one looks into the box from outside, and at surfaces from their sides
     drawn.walls.draw(gpu.shader.from_builtin("SMOOTH_COLOR"))
-    gpu.state.face_culling_set("NONE")
-    if drawn.points is not None:
-        shader = gpu.shader.from_builtin("POINT_UNIFORM_COLOR")
+    if drawn.patches is not None:
+        shader = gpu.shader.from_builtin("UNIFORM_COLOR")
         shader.bind()
         shader.uniform_float("color", (*UNSEEN, 1.0))
-        gpu.state.point_size_set(_POINT * scale)
-        drawn.points.draw(shader)
+        drawn.patches.draw(shader)
 
 
 def _batches(found: ProbeMisfit) -> _Drawn:
@@ -75,17 +70,14 @@ def _batches(found: ProbeMisfit) -> _Drawn:
 
 def _made(found: ProbeMisfit) -> _Drawn:
     walls = misfit_shapes.walls(found.misfit)
-    points = misfit_shapes.points(found.misfit, found.unseen)
+    coloured = {"pos": walls.points, "color": walls.colours}
+    patches = misfit_shapes.patches(found.misfit, found.unseen)
+    plain = gpu.shader.from_builtin("UNIFORM_COLOR")
     return _Drawn(
         found,
-        batch_for_shader(
-            gpu.shader.from_builtin("SMOOTH_COLOR"),
-            "TRIS",
-            {"pos": walls.points, "color": walls.colours},
-            indices=walls.triangles,
-        ),
-        batch_for_shader(gpu.shader.from_builtin("POINT_UNIFORM_COLOR"), "POINTS", {"pos": points})
-        if len(points)
+        batch_for_shader(gpu.shader.from_builtin("SMOOTH_COLOR"), "TRIS", coloured, indices=walls.triangles),
+        batch_for_shader(plain, "TRIS", {"pos": patches.points}, indices=patches.triangles)
+        if len(patches.triangles)
         else None,
     )
 

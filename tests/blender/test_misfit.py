@@ -228,4 +228,19 @@ def test_walls_are_drawn_just_inside_the_box_seen_from_within_in_the_colours_of_
     ceiling = np.abs(drawn.points - (ROOM.centre - down)).max(-1).argmin()
     assert drawn.colours[ceiling, :3].min() > 0.85 and drawn.colours[ceiling, 3] < 0.2
     assert all(array.flags.c_contiguous for array in (drawn.points, drawn.colours, drawn.triangles))
-    assert len(misfit_shapes.points(result.misfit, result.unseen)) == len(result.unseen.points)
+
+
+def test_squares_lie_over_what_is_not_seen_and_face_as_it_does(scene) -> None:
+    probe = small_room()
+    crate()
+    [result] = run(probe)
+    drawn, hidden = misfit_shapes.patches(result.misfit, result.unseen), result.unseen
+    a, b, c = (drawn.points[drawn.triangles[:, k]].astype(np.float64) for k in range(3))
+    ways = np.cross(b - a, c - a)
+    count = len(hidden.points)
+    assert len(drawn.triangles) == 2 * count and len(drawn.points) == 4 * count
+    unit = ways / np.linalg.norm(ways, axis=-1, keepdims=True)
+    assert np.allclose(unit, np.tile(hidden.normals, (2, 1)), atol=1e-3)
+    assert 0.5 * np.linalg.norm(ways, axis=-1).sum() == pytest.approx(0.36 * hidden.unseen_area, rel=1e-3)
+    lifted = drawn.points.reshape(count, 4, 3).mean(1) - hidden.points
+    assert (lifted * hidden.normals).sum(-1) == pytest.approx(0.002 * 2.0, abs=1e-4)

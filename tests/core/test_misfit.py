@@ -182,3 +182,8 @@ def test_lengths_in_words(metres: float, words: str) -> None:
 )
 def test_shares_in_words(share: float, words: str) -> None:
     assert misfit_words.per_cent(share) == words
+
+
+@pytest.mark.parametrize(("angle", "words"), [(112.3, "112°"), (9.97, "10°"), (0.42, "0.4°"), (0.0, "0.0°")])
+def test_angles_in_words(angle: float, words: str) -> None:
+    assert misfit_words.degrees(angle) == words

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import equirect
-from ..cubemap import FACES, OVERSCAN, face_directions
+from .. import nearness as nearness_of_box
 from ..errors import ProbeError
 from ..probe import Box, ProbeSpec
 from .sequences import evenly
@@ -125,10 +125,8 @@ def misfit(spec: ProbeSpec, nearness: np.ndarray, viewers: Viewers | None = None
         raise ValueError(f"a survey of {n} texels a face is {2 * n}×{4 * n}, not {nearness.shape}")
     check(spec)
     vectors = equirect.directions(4 * n, 2 * n)
-    walls = distances_to_box(spec.box, spec.capture_point, vectors)
-    faces = [distances_to_box(spec.box, spec.capture_point, face_directions(face, n, OVERSCAN)) for face in FACES]
-    seen = equirect.from_faces([(1.0 / face[..., None]).astype(np.float32) for face in faces], OVERSCAN)[..., 0]
-    offsets = _reciprocal(nearness) - _reciprocal(seen)
+    walls = 1.0 / nearness_of_box.along(spec, vectors)
+    offsets = _reciprocal(nearness) - _reciprocal(nearness_of_box.of_walls(spec))
     offsets = np.where(_rings(offsets, walls, 2.0 / n), 0.0, np.maximum(offsets, -walls))
     angles = _angles(spec, vectors, walls + offsets, viewers or _everywhere(spec.box))
     return Misfit(spec, walls, offsets, angles)

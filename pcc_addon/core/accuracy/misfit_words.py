@@ -23,13 +23,13 @@ def lines(found: Misfit, sightings: Sightings) -> Iterator[str]:
             who = f" ({_few(names)})" if names else ""
             yield (
                 f"{length(share.metres)} {words} in {per_cent(share.share)} of directions{who}: "
-                f"reflections of that are off by {share.degrees:.2g}° on average"
+                f"mirrored through the box, that is off by {degrees(share.degrees)} on average"
             )
     nothing = found.share(Fit.NOTHING)
     if nothing.share >= _LEAST:
         yield (
             f"Nothing is there in {per_cent(nothing.share)} of directions: the world is mirrored as if it were on the "
-            f"box, off by {nothing.degrees:.2g}° on average"
+            f"box, off by {degrees(nothing.degrees)} on average"
         )
 
 
@@ -49,6 +49,11 @@ def length(metres: float) -> str:
     if metres >= 0.995:
         return f"{metres:.1f} m"
     return f"{metres * 100.0:.0f} cm" if metres >= 0.0095 else f"{metres * 1000.0:.0f} mm"
+
+
+def degrees(angle: float) -> str:
+    """Such as "14°" and "0.4°"."""
+    return f"{angle:.0f}°" if angle >= 9.95 else f"{angle:.1f}°"
 
 
 def per_cent(share: float) -> str:

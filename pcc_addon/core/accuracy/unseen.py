@@ -73,6 +73,7 @@ class Unseen:
         area: of all surfaces in the probe's influence that anything faces, square metres.
         idle: of those that nothing faces, square metres: undersides of what stands on the floor, outer sides of walls.
         points, normals: (k, 3) float64, world space: the samples of `parts`.
+        sample_area: what each of them stands for, square metres.
     """
 
     parts: tuple[UnseenPart, ...]
@@ -80,6 +81,7 @@ class Unseen:
     idle: float
     points: np.ndarray
     normals: np.ndarray
+    sample_area: float
 
     @property
     def unseen_area(self) -> float:
@@ -181,6 +183,7 @@ def unseen(spec: ProbeSpec, nearness: np.ndarray, samples: Samples, receivers: f
         idle=float((hidden & ~faced).sum()) * samples.area,
         points=sides.points[chosen],
         normals=sides.normals[chosen],
+        sample_area=samples.area,
     )
 
 

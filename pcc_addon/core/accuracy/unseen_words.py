@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..words import named
+from .misfit_words import per_cent
 from .unseen import Part, Unseen, UnseenPart
 
 _MOST_TOLD = 8
@@ -21,9 +22,9 @@ def lines(found: Unseen, most: int = _MOST_TOLD) -> Iterator[str]:
     if not told:
         yield "The capture point sees all surfaces in the probe's influence"
     else:
-        share = 100.0 * found.unseen_area / found.area
+        share = per_cent(found.unseen_area / found.area)
         areas = f"{square_metres(found.unseen_area)} of {square_metres(found.area)}"
-        yield f"The capture point does not see {areas} ({share:.2g} %):"
+        yield f"The capture point does not see {areas} ({share}):"
     yield from map(words, told[:most])
     rest = told[most:]
     if rest:
@@ -34,7 +35,7 @@ def lines(found: Unseen, most: int = _MOST_TOLD) -> Iterator[str]:
 
 def words(part: UnseenPart) -> str:
     """Such as "the underside of 'Table', 1.2 m², which 'Floor' faces" and "4 % of 'Floor', 0.9 m²"."""
-    where = f"{100.0 * part.share:.2g} % of" if part.part is Part.HIDDEN else f"the {part.part.value} of"
+    where = f"{per_cent(part.share)} of" if part.part is Part.HIDDEN else f"the {part.part.value} of"
     facing = f", which {named(part.facing)} may mirror" if part.facing else ""
     return f"{where} '{part.name}', {square_metres(part.area)}{facing}"
 
