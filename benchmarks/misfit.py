@@ -23,6 +23,7 @@ from sample_blends.two_rooms import LOUNGE, two_rooms
 PROBE, FLOOR = "Lounge", "Tiles"
 SIZE, FACE, SAMPLES, TRUTH = (192, 108), 128, 64, 192
 LARGER = (1.0, 1.002, 1.01, 1.05)
+_LEAST = 0.001  # of all directions
 IMAGES = ROOT / "docs" / "images"
 
 
@@ -41,7 +42,7 @@ def larger(by: float) -> None:
 def row(found: ProbeMisfit, by: float) -> list[str]:
     """Of the table: how a box lies to the room."""
     shares = [found.misfit.share(fit) for fit in (Fit.ON, Fit.BEFORE, Fit.BEYOND)]
-    missed = [f"{per_cent(share.share)}, {length(share.metres)}" for share in shares[1:]]
+    missed = [f"{per_cent(s.share)}, {length(s.metres)}" if s.share >= _LEAST else "—" for s in shares[1:]]
     return [
         f"{100.0 * (by - 1.0):g} %",
         per_cent(shares[0].share),
@@ -125,7 +126,7 @@ What is said of it:
 - No probe and no relief from one capture point brings back what is not seen: move the capture point, hide what is in
   its way, or add a second probe.
 
-![Magenta points where surfaces are not seen](images/misfit_unseen.png)
+![Magenta dots where surfaces are not seen](images/misfit_unseen.png)
 
 *The same room all around, as its picture is stored. Magenta: behind this are surfaces that the capture point does not
 see.*
@@ -143,8 +144,8 @@ see.*
 ![The errors of the mirror floor](images/misfit_heat.png)
 
 *Error of the floor, which mirrors as dielectrics do, over the root mean square of the truth there; the rest is grey.
-Their root mean square is the relative RMSE, {rmse} here (faces of {face} px). It is largest where furniture is
-mirrored.*
+Their root mean square is the relative RMSE, {rmse} here (faces of {face} px). Most of it is one patch: a lamp in the
+mirror on the wall, mirrored again by the floor, while captures see metals matt. The rest is the furniture.*
 
 ## In the viewport
 

@@ -187,3 +187,9 @@ def test_shares_in_words(share: float, words: str) -> None:
 @pytest.mark.parametrize(("angle", "words"), [(112.3, "112°"), (9.97, "10°"), (0.42, "0.4°"), (0.0, "0.0°")])
 def test_angles_in_words(angle: float, words: str) -> None:
     assert misfit_words.degrees(angle) == words
+
+
+def test_what_is_nowhere_has_no_metres() -> None:
+    spec = spec_of(np.diag([2.0, 2.0, 2.0, 1.0]))
+    fit = misfit(spec, np.zeros((2 * RESOLUTION, 4 * RESOLUTION), np.float32))
+    assert fit.share(Fit.NOTHING).metres == 0.0 and fit.degrees == pytest.approx(fit.share(Fit.NOTHING).degrees)

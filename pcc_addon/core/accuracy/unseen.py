@@ -1,12 +1,10 @@
 """Which surfaces a probe's capture point does not see, so that no lookup can show them.
 
-Points all over the surfaces are held against a survey. A point is seen if its side faces the capture point and the
-survey shows nothing before it in its direction. Two texels that look at one plane see it at distances that its normal
-tells, so a point is compared with where its plane would be along the ray of the texel in which it lies, within a
-thousandth of the distance and half of what the slope makes. At a crease a texel mixes two planes. So a point is seen
-too where one of the four texels around it shows it within half a texel's width along a surface of its slope, if its own
-texel shows nothing that is nearer by more than six texels' width. What lies less than half a texel's width before a
-surface, 2 cm at 2.5 m in a survey of 128 texels, is not told from it.
+Points all over the surfaces are held against a survey. A point is seen if its side faces the capture point and one of
+the four texels around its direction shows nothing before it, but for what half a texel makes along a surface of its
+slope: where two surfaces meet a texel mixes both. The texel in which it lies must show nothing that is nearer by more
+than six texels make, so that the borders of shadows lie where that texel changes. What lies less than half a texel's
+width before a surface, 2 cm at 2.5 m in a survey of 128 texels, is not told from it.
 """
 
 from __future__ import annotations
@@ -24,9 +22,9 @@ from .sampling import Make, Place, Samples
 SLACK = 0.05
 """Metres: a wall that a box drawn by hand misses by no more is still one of the room's."""
 
-_EXACT = 1e-3  # of a distance: what a survey may be off on a plane
-_CREASED, _NEAR = 0.5, 6.0  # texels
-_STEEPEST = 0.2  # cosine: surfaces that are seen under a smaller angle are taken as if they were not
+_MIXED, _NEAR = 0.5, 6.0  # texels
+_MOST = 0.9  # of a distance
+_STEEPEST = 0.1  # cosine: surfaces that are seen under a smaller angle are taken as if they were not
 _GRAZING = 2e-3  # cosine: what is seen under a smaller angle is seen edge-on
 _OTHERS = 512  # points that may face a side
 _APART = 1e-3  # of the box's size: what is nearer to a side's plane does not face it
@@ -142,25 +140,19 @@ def seen(spec: ProbeSpec, nearness: np.ndarray, samples: Samples) -> np.ndarray:
     """
     reach = samples.points - spec.capture_point
     distance = np.linalg.norm(reach, axis=-1)
-    height = -(reach * samples.normals).sum(-1)  # of the capture point over the plane of each
-    cosine = height / np.maximum(distance, 1e-12)
+    cosine = -(reach * samples.normals).sum(-1) / np.maximum(distance, 1e-12)
     rows, columns = nearness.shape
     u, v = equirect.coordinates(reach)
-    column, row = u * columns, v * rows
-    vectors = equirect.directions(columns, rows)
+    low, left = (np.floor(c - 0.5).astype(np.intp) for c in (v * rows, u * columns))
+    farthest = np.full(len(reach), np.inf)  # 1/metres, of the four texels around each
+    for r in (low, low + 1):
+        for c in (left, left + 1):
+            farthest = np.minimum(farthest, nearness[np.clip(r, 0, rows - 1), c % columns])
     texel = 2.0 / (rows // 2)  # radians across one in the middle of a face, the widest
-    mixed = _CREASED * texel / np.maximum(cosine, _STEEPEST)
-    around = np.zeros(len(reach), bool)
-    for dr in (0, 1):
-        for dc in (0, 1):
-            r = np.clip(np.floor(row - 0.5).astype(np.intp) + dr, 0, rows - 1)
-            c = (np.floor(column - 0.5).astype(np.intp) + dc) % columns
-            around |= _shows_plane(nearness[r, c], vectors[r, c], samples.normals, distance, height, mixed)
-    nearest = at(nearness, reach)
-    own = _shows_plane(nearest, at(vectors, reach), samples.normals, distance, height, np.array(_EXACT))
-    slack = _NEAR * texel / np.maximum(cosine, texel)
-    creased = around & (nearest * distance * (1.0 - np.minimum(slack, 0.9)) <= 1.0)
-    return (cosine > _GRAZING) & (own | creased)
+    slope = texel / np.maximum(cosine, _STEEPEST)  # of a distance: what a texel makes along the surface
+    clear = farthest * distance * (1.0 - _MIXED * slope) <= 1.0
+    near = at(nearness, reach) * distance * (1.0 - np.minimum(_NEAR * slope, _MOST)) <= 1.0
+    return (cosine > _GRAZING) & clear & near
 
 
 def unseen(spec: ProbeSpec, nearness: np.ndarray, samples: Samples, receivers: frozenset[str] = frozenset()) -> Unseen:
@@ -223,29 +215,6 @@ def _facing(sides: Samples, mine: np.ndarray, mirrors: np.ndarray, apart: float)
     counts = {str(name): int(met[:, owners == name].any(1).sum()) for name in np.unique(owners)}
     best = sorted((name for name, n in counts.items() if 2 * n >= len(few)), key=lambda name: (-counts[name], name))
     return tuple(best[:2])
-
-
-def _shows_plane(
-    nearness: np.ndarray,
-    vectors: np.ndarray,
-    normals: np.ndarray,
-    distance: np.ndarray,
-    height: np.ndarray,
-    exact: np.ndarray,
-) -> np.ndarray:
-    """(n,) bool: whether texels show nothing before the planes of samples.
-
-    Args:
-        nearness: (n,) 1/metres that they show.
-        vectors: (n, 3) their directions.
-        normals, distance, height: of the samples: from the capture point, and of it over their planes.
-        exact: (n,) or (): share of the distance that a texel may be off.
-    """
-    slope = -(vectors * normals).sum(-1)
-    plane = np.divide(height, slope, out=np.full(len(height), np.inf), where=slope * np.sign(height) > 1e-9)
-    least = np.minimum(plane, distance)
-    margin = exact * distance + 0.5 * np.where(np.isinf(plane), 0.0, np.abs(plane - distance))
-    return nearness * np.maximum(least - margin, 0.0) <= 1.0
 
 
 def _faced(points: np.ndarray, normals: np.ndarray, others: np.ndarray, apart: float) -> np.ndarray:

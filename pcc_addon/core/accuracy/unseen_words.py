@@ -9,7 +9,7 @@ from .misfit_words import per_cent
 from .unseen import Part, Unseen, UnseenPart
 
 _MOST_TOLD = 8
-_LEAST_TOLD = 5e-4  # of the surfaces
+_LEAST_TOLD = 1e-3  # of the surfaces
 
 
 def lines(found: Unseen, most: int = _MOST_TOLD) -> Iterator[str]:
