@@ -67,7 +67,7 @@ def errors(scene: bpy.types.Scene) -> float:
     bpy.ops.pcc.inject()
     picture = render(scene, samples=SAMPLES).pixels
     enlarged = [field.repeat(2, 0).repeat(2, 1) for field in (picture, truth, served)]
-    write("misfit_heat.png", heat_map(*enlarged).picture)
+    write("misfit_heat.png", heat_map(*enlarged, end=0.5).picture)
     return relative_rmse(picture, truth, served)
 
 
