@@ -45,7 +45,7 @@ def without_probes(engine: Engine) -> str:
 
 def seconds(value: float) -> str:
     """Such as "0.42 s", "12 s", "3 min 20 s" or "2 h 5 min"; three digits at most."""
-    if value < 9.995:
+    if value < 9.95:
         return f"{value:.2g} s" if value < 0.995 else f"{value:.1f} s"
     if value < 119.5:
         return f"{value:.0f} s"

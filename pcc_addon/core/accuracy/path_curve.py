@@ -20,7 +20,8 @@ from .labels import without_probes
 from .lines import Line, fitted
 from .records import CostReport, Kind
 
-_TINY = 1e-9  # an error that the correction for noise took to 0 has no logarithm
+_TINY = 1e-9  # an error that the correction for noise took to 0 has no logarithm, and no frame takes no time
+_SAME = 1e-6  # of a number of samples that was found by halving
 _FAR = 2**24  # samples: what Cycles takes
 
 
@@ -73,7 +74,7 @@ class PathCurve:
     def at(self, samples: float) -> PathPoint:
         """At some number of samples."""
         first, last = self.points[0], self.points[-1]
-        measured = first.samples <= samples <= last.samples
+        measured = first.samples * (1.0 - _SAME) <= samples <= last.samples * (1.0 + _SAME)
         if samples < first.samples:
             error = max(first.error, self._law(samples))
             seconds = min(first.seconds, self.time.at(samples))
@@ -144,7 +145,7 @@ def fastest_to(curves: Sequence[PathCurve], error: float) -> PathPoint | None:
 def _curve(measured: list[tuple[int, float, float]], engine: Engine, denoised: bool, ray_tracing: bool) -> PathCurve:
     points: list[PathPoint] = []
     for samples, error, seconds in sorted(measured):
-        error = max(error, _TINY)
+        samples, error, seconds = max(samples, 1), max(error, _TINY), max(seconds, _TINY)
         if points:
             error, seconds = min(error, points[-1].error), max(seconds, points[-1].seconds)
             if samples == points[-1].samples:
