@@ -29,7 +29,7 @@ reports = st.builds(
     st.lists(paths, max_size=6),
     st.none() | st.floats(0.01, 0.5),
     st.none() | st.floats(1.0, 60.0),
-    st.none() | st.integers(1, 500),
+    st.none() | st.integers(1, 12),
     st.sampled_from([0.0, 0.04]),
 )
 

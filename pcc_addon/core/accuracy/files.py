@@ -60,7 +60,7 @@ def from_json(text: str, name: str = JSON_NAME) -> CostReport:
 def to_csv(report: CostReport) -> str:
     """The measurements as a table, a row each in their order: first the settings, then what was measured."""
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
+    writer = csv.writer(text)
     writer.writerow([*_columns(), "error"])
     for measurement in report.measurements:
         plain = {**asdict(measurement.settings), **asdict(measurement)}

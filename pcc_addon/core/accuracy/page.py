@@ -28,6 +28,7 @@ _CAPTIONS = {
     "error_rungs": "The error of each setting.",
 }
 _VERDICTS = {Winner.PROBE: "The probe wins here", Winner.PATH: "Path tracing wins here", Winner.UNKNOWN: "Not compared"}
+_NEAR = math.log(1.25)
 _SORTED_BY = "Error"
 # No script but ours, which fetches nothing; no picture but those in the file.
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
@@ -146,14 +147,10 @@ def _pictures(report: CostReport, found: Advice, folder: Path) -> Iterator[str]:
     if found.recommended is not None:
         rung = report.measurements[found.recommended]
         shown.append(("Probe", rung.picture, f"{labels.label(rung.settings)}: {_measured(report, rung)}"))
-    if rival := equal_time(report, found):
-        shown.append(
-            (
-                "Without a probe, in about the same time",
-                rival.picture,
-                f"{labels.label(rival.settings)}: {_measured(report, rival)}",
-            )
-        )
+        if rival := equal_time(report, found):
+            near = abs(math.log(rival.frame_seconds / max(rung.frame_seconds, 1e-9))) < _NEAR
+            name = f"Without a probe, {'in about the same time' if near else 'nearest in time'}"
+            shown.append((name, rival.picture, f"{labels.label(rival.settings)}: {_measured(report, rival)}"))
     shown.append(("Where the error is", report.heat_map, "of the recommended probe: the brighter, the larger"))
     figures = [
         f'<figure><img src="{uri}" alt="{escape(name)}">'
