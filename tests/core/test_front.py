@@ -158,3 +158,19 @@ def test_what_nothing_is_known_of_is_tried() -> None:
     strange = replace(PROBE, engine=Engine.EEVEE)
     assert next_rung(report(probe(0.05, 100.0, 1.0)), (PROBE, strange), 5.0) == strange
     assert next_rung(report(), (), 5.0) is None
+
+
+def test_the_second_rung_of_a_kind_is_in_the_middle_of_the_ladder() -> None:
+    sizes = tuple(replace(PROBE, resolution=size) for size in (32, 64, 128, 256, 512))
+    found = report(probe(0.5, 1.0, 1.0, sizes[0]), frames=())
+    assert next_rung(found, sizes, 1e9) == sizes[2]
+    assert next_rung(found, sizes, 100.0) == sizes[1]  # 4 s and a frame are a twentieth, 16 s are not
+    both = replace(found, measurements=(*found.measurements, probe(0.2, 16.0, 1.0, sizes[2])))
+    assert next_rung(both, sizes, 1e9) in (sizes[1], sizes[3])  # beside the front
+
+
+def test_ray_tracing_is_another_kind_of_picture_and_no_step() -> None:
+    traced = replace(PROBE, ray_tracing=True)
+    one, other, far = replace(traced, bake_samples=16), replace(PROBE, resolution=512), replace(traced, resolution=64)
+    found = report(probe(0.05, 1.0, 1.0), probe(0.2, 1.0, 1.0, one), probe(0.3, 0.1, 1.0, far), frames=())
+    assert next_rung(found, (PROBE, one, far, traced, other), 1e9) == other

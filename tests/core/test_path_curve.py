@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pcc_addon.core.accuracy.lines import Line, fitted
 from pcc_addon.core.accuracy.path_curve import PathCurve, best_in_time, fastest_to, path_curves
-from pcc_addon.core.accuracy.records import Measurement
+from pcc_addon.core.accuracy.records import Kind, Measurement
 from pcc_addon.core.accuracy.times import Times, bake_work
 from pcc_addon.core.probe import Engine
 
@@ -189,3 +189,32 @@ def test_rungs_that_share_a_bake_count_it_once() -> None:
     once = Times.fitted_to([probe(0.1, 4.0, 1.0), probe(0.1, 10.0, 1.0, other)])
     twice = Times.fitted_to([probe(0.1, 4.0, 1.0), probe(0.1, 10.0, 1.0, other), probe(0.1, 4.0, 1.0, again)])
     assert once.bakes == twice.bakes
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"kind": Kind.SPHERE},
+        {"resolution": 512},
+        {"bake_samples": 16},
+        {"bake_denoise": False},
+        {"half_float": True},
+        {"correction": "RELIEF"},
+    ],
+    ids=str,
+)
+def test_what_changes_a_bake_changes_its_key(changed: dict[str, object]) -> None:
+    assert replace(PROBE, **changed).bake_key != PROBE.bake_key  # type: ignore[arg-type]
+
+
+def test_what_only_changes_the_look_shares_the_bake() -> None:
+    relief = replace(PROBE, correction="RELIEF", steps=8)
+    for changed in (
+        {"frame_samples": 4},
+        {"frame_denoise": True},
+        {"ray_tracing": True},
+        {"steps": 16, "refinements": 2},
+    ):
+        assert replace(relief, **changed).bake_key == relief.bake_key  # type: ignore[arg-type]
+    sphere = replace(PROBE, kind=Kind.SPHERE)
+    assert replace(sphere, correction="RELIEF").bake_key == sphere.bake_key  # it has none
