@@ -117,8 +117,13 @@ def _lay(node: bpy.types.Node, probe: bpy.types.Object) -> None:
     probe.pcc_probe.capture_offset.z = -0.4
 
 
+def _stand(node: bpy.types.Node, probe: bpy.types.Object) -> None:
+    probe.pcc_probe.correction = "RELIEF"
+
+
 CASES = (
     Case(Effect.PARALLAX),
+    Case(Effect.RELIEF, _stand),
     Case(Effect.TURN, needed=False),
     Case(Effect.OFFSET, needed=False),
     Case(Effect.FADE, needed=False),

@@ -8,12 +8,13 @@ def register() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan
+    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan, presets
 
     properties.register()
     for cls in (
         *operators.CLASSES,
         *picture.CLASSES,
+        *presets.CLASSES,
         *plan.CLASSES,
         *interior.CLASSES,
         *by_hand.CLASSES,
@@ -34,7 +35,7 @@ def unregister() -> None:
     import bpy
 
     from .blender import handlers, properties
-    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan
+    from .ui import by_hand, effects, interior, last_plan, operators, panels, picture, plan, presets
 
     _shell_command(register=False)
     last_plan.unregister()
@@ -46,6 +47,7 @@ def unregister() -> None:
         (
             *operators.CLASSES,
             *picture.CLASSES,
+            *presets.CLASSES,
             *plan.CLASSES,
             *interior.CLASSES,
             *by_hand.CLASSES,

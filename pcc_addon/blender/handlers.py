@@ -157,7 +157,9 @@ def _follow(probe: bpy.types.Object, roughness_limit: float) -> None:
         if record is None:
             return
         captured_at = record.capture_point_apart_from(spec.box.centre)
-        needed = lookup_effects(spec, probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
+        needed = lookup_effects(
+            spec, probe_group.UNKNOWN_RECEIVERS, captured_at, record.source, record.departs_from(spec.box)
+        )
         if copied or probe_group.shown_effects(tree) != needed.label:
             live.refresh_probe(probe, roughness_limit)
         else:

@@ -41,7 +41,9 @@ class PCC_HiddenObject(bpy.types.PropertyGroup):
 class PCC_BakedLevel(bpy.types.PropertyGroup):
     """One picture of the last bake."""
 
-    roughness: bpy.props.FloatProperty(name="Roughness", min=0.0, max=1.0)
+    roughness: bpy.props.FloatProperty(
+        name="Roughness", description="−1: of the picture of how near things are", min=-1.0, max=1.0
+    )
     image: bpy.props.PointerProperty(type=bpy.types.Image, name="Picture")
 
 
@@ -220,10 +222,39 @@ class PCC_Probe(bpy.types.PropertyGroup):
         name="Correction",
         description="How a reflection finds its place in the picture",
         items=[
-            ("BOX", "Box", "Parallax-corrected by the probe's box"),
-            ("NONE", "None", "The classic lookup, right only for things far away"),
+            ("BOX", "Box", "Parallax-corrected by the probe's box", 0),
+            (
+                "RELIEF",
+                "Relief",
+                "Parallax-corrected by the probe's box and by what stands in it: bakes capture distances too, and rays "
+                "are followed through them. Where all that is seen lies on the box it is the same as Box",
+                2,
+            ),
+            ("NONE", "None", "The classic lookup, right only for things far away", 1),
         ],
         update=_refresh_shader,
+    )
+    relief_steps: bpy.props.IntProperty(
+        name="Relief Steps",
+        description="At how many places on its way to the wall a ray is looked at: with more, thinner things are "
+        "found, and frames take longer",
+        default=12,
+        min=2,
+        max=64,
+        update=_refresh_shader,
+    )
+    relief_refinements: bpy.props.IntProperty(
+        name="Refinements",
+        description="How often the step in which a ray meets something is halved: each one more doubles the precision",
+        default=4,
+        min=0,
+        max=16,
+        update=_refresh_shader,
+    )
+    half_float: bpy.props.BoolProperty(
+        name="Half Float",
+        description="Keep the pictures in half precision: half the space, and three digits, which noise hides. "
+        "Radiances above 65504 are cut off",
     )
     contact_hardening: bpy.props.BoolProperty(
         name="Contact Hardening",

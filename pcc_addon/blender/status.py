@@ -132,6 +132,13 @@ def _status(
     if changed:
         why = _of_another_version([record.content_hash]) or _what_changed(spec, record, changed)
         return ProbeStatus(probe.name, "stale", why)
+    if record.half_float != spec.half_float:
+        have, wanted = ("half", "full") if record.half_float else ("full", "half")
+        why = f"its pictures are kept in {have} precision and are to be in {wanted}; bake it again"
+        return ProbeStatus(probe.name, "stale", why)
+    if spec.captures_distance and record.departure is None:
+        why = "its distances were not captured and are needed now; bake it again, which then renders nothing else"
+        return ProbeStatus(probe.name, "stale", why)
     lacking = record.lacks(needed)
     if lacking:
         why = f"its {said(lacking)} not captured and needed now; bake it again, which then renders nothing else"

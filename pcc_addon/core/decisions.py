@@ -23,6 +23,12 @@ class Effect(Enum):
     # Of a probe's lookup.
     PARALLAX = "parallax", "Parallax Correction", "Look up where the ray meets the box instead of along it", False
     TURN = "turn", "Turned Box", "Follow a box whose walls are not along the world's axes"
+    RELIEF = (
+        "relief",
+        "Relief",
+        "Follow rays through the captured distance to what stands before the box's walls",
+        False,
+    )
     OFFSET = "offset", "Capture Point off the Centre", "Look from the capture point instead of the box's centre"
     FADE = "fade", "Fade Outside", "Fade the reflection where surfaces reach beyond the box"
     OUTER_SIDES = "outer_sides", "Outer Sides", "Keep the reflection off the outer sides of walls"
@@ -56,6 +62,7 @@ class Effect(Enum):
 OF_PROBES = (
     Effect.PARALLAX,
     Effect.TURN,
+    Effect.RELIEF,
     Effect.OFFSET,
     Effect.FADE,
     Effect.OUTER_SIDES,

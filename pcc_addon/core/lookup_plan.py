@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from .decisions import Decision, Effect
 from .effects.records import Correction, LookupEffects
+from .effects.relief import DEPARTS
 from .probe import ProbeSpec, Source
 
 
@@ -38,10 +40,14 @@ class LookupPlan:
 
 
 def lookup_effects(
-    spec: ProbeSpec, receivers: Receivers, captured_at: Sequence[float], source: Source = Source.BAKE
+    spec: ProbeSpec,
+    receivers: Receivers,
+    captured_at: Sequence[float],
+    source: Source = Source.BAKE,
+    departure: float | None = None,
 ) -> LookupEffects:
     """The effects of `plan_lookup`."""
-    return plan_lookup(spec, receivers, captured_at, source).effects
+    return plan_lookup(spec, receivers, captured_at, source, departure=departure).effects
 
 
 def plan_lookup(
@@ -50,6 +56,7 @@ def plan_lookup(
     captured_at: Sequence[float],
     source: Source = Source.BAKE,
     words: Mapping[Effect, str] | None = None,
+    departure: float | None = None,
 ) -> LookupPlan:
     """The lookup effects that a probe requires; all that there are where it is animated.
 
@@ -59,6 +66,7 @@ def plan_lookup(
         captured_at: where its pictures were taken, world space, metres.
         source: where its pictures came from, whatever its next ones will.
         words: why an effect is needed, where that can be said better than by what receivers tell.
+        departure: as `Sidecar.departs_from`.
     """
     found: dict[Effect, Decision] = {}
 
@@ -100,6 +108,8 @@ def plan_lookup(
         "it may be moved off the capture point by animation" if moves else f"captured {distance:.3g} m off the centre",
         "its picture is stretched to its box" if stretched else "captured at the centre of its box",
     )
+    relief = _relief(spec, stretched, departure)
+    found[Effect.RELIEF] = relief
     facing = decide(
         Effect.OUTER_SIDES,
         moves or receivers.seen_from_outside,
@@ -138,9 +148,26 @@ def plan_lookup(
         stretched,
         on_walls=on_walls,
         hardening=hardening,
+        steps=spec.relief_steps if relief.on else 0,
+        refinements=spec.relief_refinements if relief.on else 0,
         **own,
     )
     return LookupPlan(effects, tuple(found.values()))
+
+
+def _relief(spec: ProbeSpec, stretched: bool, departure: float | None) -> Decision:
+    """Whether rays are followed through what was captured; never where no distances were."""
+    if stretched or departure is None:
+        why = "its picture was not captured in its box" if stretched else "its bake has no distances"
+        return Decision(Effect.RELIEF, False, why if spec.captures_distance else "its Correction is Box")
+    if math.isinf(departure):
+        why = "what stands in its box is not known, or was captured for another box"
+    elif departure > DEPARTS:
+        why = f"what it captured departs from its box by up to {100.0 * departure:.3g} % of the distance"
+    else:
+        why = "all that it captured lies on its box"
+    needed = spec.relief and departure > DEPARTS
+    return spec.forced.decide(Effect.RELIEF, needed, why if spec.relief else "its Correction is Box")
 
 
 def lacking(built: LookupEffects, needed: LookupEffects) -> tuple[Effect, ...]:
@@ -150,6 +177,7 @@ def lacking(built: LookupEffects, needed: LookupEffects) -> tuple[Effect, ...]:
         Effect.PARALLAX: Correction.NONE in (built.correction, needed.correction)
         and built.correction is not needed.correction,
         Effect.TURN: ranks.index(built.correction) < ranks.index(needed.correction),
+        Effect.RELIEF: needed.steps > 0 and not built.steps,
         Effect.OFFSET: needed.offset and not built.offset,
         Effect.FADE: needed.outside is not None and built.outside is not needed.outside,
         Effect.OUTER_SIDES: needed.facing and not built.facing,

@@ -69,10 +69,11 @@ def plan_material(
     found: Belongings,
     surfaces: tuple[SurfacePlan, ...],
     hardening: frozenset[str],
+    relieved: frozenset[str] = frozenset(),
 ) -> MaterialPlan:
     """The plan of a material whose objects belong to probes so much: by probe, then by object.
 
-    The last are the names of the probes that show the sharper what is nearer.
+    The last are the names of the probes that show the sharper what is nearer, and of those that read how near it is.
     """
     ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name))
     served = [surface for surface in surfaces if surface.effects is not None]
@@ -82,6 +83,7 @@ def plan_material(
             why = [_NO_SURFACE]
         return MaterialPlan(material.name, Division(()), (), surfaces, tuple(why), material.emits)
     each = sum(_pictures_read(surface, not hardening.isdisjoint(owners)) for surface in served)
+    each += not relieved.isdisjoint(owners)
     fitting = max(1, (SAMPLERS - material.textures) // max(each, 1))
     needs, refused = (by.get(material.name, {}) for by in (found.needs, found.refused))
     division = divide(ranked, needs, refused, found.fixed.get(material.name, ()), fitting)

@@ -8,6 +8,9 @@ from enum import Enum
 LADDER: tuple[float, ...] = (0.0, 0.05, 0.1, 0.16, 0.23, 0.32, 0.44, 0.6)
 """GGX roughnesses of the radiance levels, sharpest first; a roughness between two is mixed from both."""
 
+NEARNESS = -1.0
+"""What stands for a roughness where pictures are kept by it, for the one that tells how near things are."""
+
 STILL = -1
 """The number of a picture that is no part of a sequence."""
 
@@ -16,6 +19,7 @@ class PictureKind(str, Enum):
     """What a picture holds."""
 
     RADIANCE = "radiance"  # linear radiance, prefiltered by the GGX lobe of its level
+    NEARNESS = "nearness"  # 1/metres from the capture point to what it sees, three times the same
 
 
 @dataclass(frozen=True, order=True)

@@ -39,12 +39,13 @@ def make_plan(scene: SceneReading) -> Plan:
     found = belongings(specs, scene.placements, scene.animated)
     materials = []
     shapes = _interfaces(scene)
+    relieved = frozenset(spec.name for spec in specs if spec.captures_distance)
     hardening = frozenset(spec.name for spec in specs if spec.contact_hardening)
     for material in scene.materials:
         owners = found.owners.get(material.name, {})
         if owners:
             surfaces = plan_surfaces(material, scene.roughness_limit, shapes.get(material.name, Interface.SOLID))
-            materials.append(plan_material(material, owners, found, surfaces, hardening))
+            materials.append(plan_material(material, owners, found, surfaces, hardening, relieved))
     read = {probe.name: probe for probe in scene.probes}
     showing: dict[str, list[MaterialPlan]] = {spec.name: [] for spec in specs}
     for plan in materials:

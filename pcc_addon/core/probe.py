@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from .decisions import Forced
+from .decisions import Effect, Forced
 from .effects.records import Correction, Outside
 from .errors import ProbeError
 from .influence import Influence
@@ -152,6 +152,9 @@ class ProbeSpec:
         falloff: over which distance beyond that the reflection fades, metres.
         outside: what a surface beyond the falloff shows.
         corrected: False for the classic, uncorrected lookup.
+        relief: whether rays are followed through what was captured before the box's walls.
+        relief_steps, relief_refinements: as `LookupEffects.steps` and `refinements`.
+        half_float: whether pictures are kept in half precision.
         hidden: names of objects that the capture leaves out.
         animated: whether animation, constraints or parents may move it while nobody looks.
         source: where its pictures come from.
@@ -175,6 +178,10 @@ class ProbeSpec:
     falloff: float = 0.25
     outside: Outside = Outside.OWN
     corrected: bool = True
+    relief: bool = False
+    relief_steps: int = 12
+    relief_refinements: int = 4
+    half_float: bool = False
     hidden: tuple[str, ...] = field(default=())
     animated: bool = False
     source: Source = Source.BAKE
@@ -214,6 +221,12 @@ class ProbeSpec:
         unit_axes = self.box.axes / self.box.half_extents
         origin = self.box.centre if self.followed is None else np.array(self.followed)
         return origin + unit_axes @ np.array(self.capture_offset)
+
+    @property
+    def captures_distance(self) -> bool:
+        """Whether its bake has a picture of how near things are."""
+        wanted = (self.relief or Effect.RELIEF in self.forced.on) and Effect.RELIEF not in self.forced.off
+        return wanted and self.corrected and not self.source.stretched
 
     @property
     def boundary(self) -> float:

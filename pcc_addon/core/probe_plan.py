@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -94,7 +95,10 @@ def plan_probe(
     words = {effect: f"surfaces of {named(names)} {do}" for effect, names, do in causes if names}
     captured_at = reading.captured_at if reading.captured_at is not None else tuple(spec.capture_point)
     source = reading.source if reading.captured_at is not None else spec.source
-    lookup = plan_lookup(spec, receivers, captured_at, source, words)
+    departure = reading.departure
+    if reading.captured_at is None and spec.captures_distance:
+        departure = math.inf  # nobody knows before the bake
+    lookup = plan_lookup(spec, receivers, captured_at, source, words, departure)
     reasons = [f"{len(showing)} materials show it" if showing else "no material shows it"]
     if lookup.effects.stretched:
         reasons.append("its picture was not captured in its box, so it is stretched to it and turns with it")

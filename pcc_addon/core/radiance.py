@@ -89,3 +89,11 @@ def _replaced(picture: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.nda
         too_bright = ~not_finite & (picture >= BRIGHTEST)
     cleaned = np.clip(np.nan_to_num(picture, nan=0.0, posinf=BRIGHTEST, neginf=0.0), 0.0, BRIGHTEST).astype(np.float32)
     return cleaned, (not_finite.any(-1), negative.any(-1), too_bright.any(-1))
+
+
+def as_half(picture: np.ndarray) -> np.ndarray:
+    """A picture of float32 whose numbers are those of half precision; what is above 65504 is that."""
+    return np.minimum(picture, _LARGEST_HALF).astype(np.float16).astype(np.float32)
+
+
+_LARGEST_HALF = float(np.finfo(np.float16).max)

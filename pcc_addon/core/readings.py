@@ -182,6 +182,7 @@ class ProbeReading:
         by_hand: whether shaders made by hand read it.
         in_windows: whether windows show its room.
         over_frames: whether it has pictures for frames, at which others may show it than now.
+        departure: `Sidecar.departs_from` its box.
     """
 
     name: str
@@ -192,6 +193,7 @@ class ProbeReading:
     by_hand: bool = False
     in_windows: bool = False
     over_frames: bool = False
+    departure: float | None = None
 
     @property
     def read_anyhow(self) -> bool:

@@ -17,7 +17,7 @@ import numpy as np
 from .cubemap import FACE_NAMES, FACES
 from .errors import BakeError
 from .pictures import STILL, PictureKey, PictureKind
-from .probe import ProbeSpec, Source
+from .probe import Box, ProbeSpec, Source
 from .sequence import Moment
 
 VERSION = 2
@@ -97,6 +97,9 @@ class Sidecar:
         faces: those that were captured, by name, in the order of `FACES`; where others lie pictures are guessed.
         face_hashes: of what each of the six depends on, in the order of `FACES`; empty where that was not known for
             each alone.
+        half_float: whether its pictures are kept in half precision.
+        departure: how far what was captured departs from the box at most, over the distance to the box; None where no
+            distances were captured.
     """
 
     probe: str
@@ -118,6 +121,8 @@ class Sidecar:
     moments: tuple[Moment, ...] = ()
     faces: tuple[str, ...] = FACE_NAMES
     face_hashes: tuple[str, ...] = ()
+    departure: float | None = None
+    half_float: bool = False
 
     @property
     def frames(self) -> tuple[int, ...]:
@@ -128,6 +133,15 @@ class Sidecar:
         """Where its pictures were taken; of several points the one farthest from a place. World space, metres."""
         points = [self.capture_point, *(moment.capture_point for moment in self.moments)]
         return max(points, key=lambda point: math.dist(point, place))
+
+    def departs_from(self, box: Box) -> float | None:
+        """How far what was captured departs from a box at most, over the distance to it; None where nobody knows.
+
+        Infinite where the box is another than at the bake.
+        """
+        if self.departure is None:
+            return None
+        return self.departure if box.matrix == self.matrix else math.inf
 
     @classmethod
     def of_bake(
@@ -142,6 +156,7 @@ class Sidecar:
         replaced_pixels: tuple[str, ...] = (),
         faces: tuple[str, ...] = FACE_NAMES,
         face_hashes: tuple[str, ...] = (),
+        departure: float | None = None,
     ) -> Sidecar:
         """The record of a bake of `spec`, as yet without levels."""
         x, y, z = spec.capture_point
@@ -164,6 +179,8 @@ class Sidecar:
             source=spec.source,
             faces=faces,
             face_hashes=face_hashes,
+            departure=departure,
+            half_float=spec.half_float,
         )
 
     def changed(self, content_hash: str, face_hashes: Sequence[str]) -> tuple[str, ...]:
@@ -239,6 +256,8 @@ class Sidecar:
             moments=tuple(_moment(moment) for moment in plain.get("moments", ())),
             faces=_faces(plain.get("faces", list(FACE_NAMES))),
             face_hashes=_face_hashes(plain.get("face_hashes", [])),
+            departure=_departure(plain.get("departure")),
+            half_float=bool(plain.get("half_float", False)),
         )
 
 
@@ -301,6 +320,10 @@ def _face_hashes(found: object) -> tuple[str, ...]:
     if not isinstance(found, list) or len(found) not in (0, len(FACE_NAMES)):
         raise TypeError("its faces' hashes are not six")
     return tuple(_text(each) for each in found)
+
+
+def _departure(found: object) -> float | None:
+    return None if found is None else _number(found)
 
 
 def _moment(plain: Mapping[str, Any]) -> Moment:

@@ -7,6 +7,7 @@ import bpy
 from ..blender.read.probes import all_probes, bake_record
 from ..core.cubemap import FACE_NAMES
 from ..core.errors import PccError
+from ..core.presets import Preset
 from . import last_plan
 from .sentences import say
 
@@ -26,6 +27,9 @@ class PCC_PT_probe(bpy.types.Panel):
         layout.use_property_split = True
         settings = context.object.pcc_probe
         layout.prop(settings, "source")
+        row = layout.row(align=True)
+        for preset in Preset:
+            row.operator("pcc.preset", text=preset.label).preset = preset.name
         column = layout.column()
         if settings.source == "IMAGE":
             row = column.row(align=True)
@@ -34,6 +38,7 @@ class PCC_PT_probe(bpy.types.Panel):
         else:
             column.prop(settings, "engine")
         column.prop(settings, "resolution")
+        column.prop(settings, "half_float")
         if settings.source != "IMAGE":
             column.prop(settings, "samples")
             if settings.engine == "CYCLES":
@@ -47,7 +52,10 @@ class PCC_PT_probe(bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "correction")
         box = column.column()
-        box.active = settings.correction == "BOX"
+        box.active = settings.correction != "NONE"
+        if settings.correction == "RELIEF":
+            box.prop(settings, "relief_steps")
+            box.prop(settings, "relief_refinements")
         box.prop(settings, "padding")
         box.prop(settings, "falloff")
         box.prop(settings, "outside")
@@ -89,7 +97,7 @@ class PCC_PT_influence(bpy.types.Panel):
         column.prop(settings, "receivers")
         column.prop(settings, "excluded")
         box = layout.column()
-        box.active = settings.correction == "BOX"
+        box.active = settings.correction != "NONE"
         box.prop(settings, "influence_low", text="Beyond −X, −Y, −Z")
         box.prop(settings, "influence_high", text="Beyond +X, +Y, +Z")
         box.prop(settings, "falloff_per_face")

@@ -60,11 +60,11 @@ def test_an_old_bake_survives_a_failing_new_one_byte_for_byte(scene, tmp_path: P
     paint_wall()
     write, calls = pictures.write_file, []
 
-    def fail_on_second(path: Path, image: np.ndarray) -> None:
+    def fail_on_second(path: Path, image: np.ndarray, *, half: bool) -> None:
         calls.append(path)
         if len(calls) == 2:
             raise BakeError("the disk is full")
-        write(path, image)
+        write(path, image, half=half)
 
     monkeypatch.setattr(pictures, "write_file", fail_on_second)
     [result] = bake(probe)

@@ -112,7 +112,8 @@ def test_a_forced_effect_of_a_probe_is_in_its_plan_and_its_lookup_at_once(scene,
 
 
 def test_every_effect_of_a_lookup_is_tried() -> None:
-    assert {effect for effect, *_ in OF_LOOKUPS} == {*OF_PROBES} - {Effect.LEVELS, Effect.FACES}
+    # Relief is nothing without captured distances: test_relief.py.
+    assert {effect for effect, *_ in OF_LOOKUPS} == {*OF_PROBES} - {Effect.LEVELS, Effect.FACES, Effect.RELIEF}
 
 
 def test_forced_hardening_reads_levels_at_once_and_makes_those_that_are_missing(scene) -> None:

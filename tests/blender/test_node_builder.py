@@ -189,6 +189,8 @@ LOOKUPS = [
     *(LookupEffects(c, Outside.UNCORRECTED, False, stretched=True) for c in Correction),
     LookupEffects(Correction.ORIENTED_BOX, Outside.UNCORRECTED, hardening=True),
     LookupEffects(Correction.TURNED_BOX, None, False, stretched=True, hardening=True),
+    *(LookupEffects(c, Outside.OWN, steps=2) for c in Correction if c is not Correction.NONE),
+    LookupEffects(Correction.ALIGNED_BOX, None, False, steps=2),
 ]
 
 

@@ -103,6 +103,14 @@ def test_a_material_shows_as_many_probes_as_eevee_can_read(surfaces: tuple, text
     assert plan.notes[0] == f"material 'Wood' {reason}"
 
 
+def test_probes_with_relief_have_one_picture_more() -> None:
+    probes, placed = many(12)
+    plan = plan_of(material("Wood", surface()), probes=probes, placements=placed)
+    relieved = tuple(replace(one, spec=replace(one.spec, relief=True)) for one in probes)
+    assert len(plan.probes) == 10  # 30 samplers, three pictures each
+    assert len(plan_of(material("Wood", surface()), probes=relieved, placements=placed).probes) == 7
+
+
 def test_probes_that_harden_read_every_level_of_rough_surfaces() -> None:
     """A slider that is changed within their reach then asks for no other choice of probes."""
     probes, placed = many(12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -251,3 +252,18 @@ def test_a_probe_that_hardens_says_so() -> None:
     scene = SceneReading("Scene", (probe("Hall", contact_hardening=True),), (mirror,), (placement("Table", "Wood"),))
     [plan] = make_plan(scene).probes
     assert not plan.lookup.hardening and decision(plan, Effect.HARDENING).why == "all surfaces that show it are mirrors"
+
+
+@pytest.mark.parametrize(
+    ("departure", "captured", "on"),
+    [(None, False, True), (None, True, False), (0.4, True, True), (1e-5, True, False), (math.inf, True, True)],
+    ids=["before its bake", "baked without distances", "furnished", "empty", "another box"],
+)
+def test_relief_is_on_where_what_was_captured_departs_from_the_box(departure, captured, on) -> None:
+    at = (0.0, 0.0, 0.0) if captured else None
+    reading = probe("Hall")
+    reading = replace(reading, spec=replace(reading.spec, relief=True), captured_at=at, departure=departure)
+    plan = make_plan(SceneReading("Scene", (reading,), (material("Wood"),), (placement("Table", "Wood"),)))
+    [hall] = plan.probes
+    assert decision(hall, Effect.RELIEF).on is on and bool(hall.lookup.steps) is on
+    assert decision(hall, Effect.RELIEF).why

@@ -52,7 +52,7 @@ RECORD = Sidecar(
 )
 
 
-DEFAULTED = {"replaced_pixels", "source", "moments", "faces", "face_hashes"}
+DEFAULTED = {"departure", "half_float", "replaced_pixels", "source", "moments", "faces", "face_hashes"}
 
 
 def edited(**changes: object) -> str:

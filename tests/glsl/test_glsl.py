@@ -31,6 +31,7 @@ from tests.vectors.ours import Check, checks
 LOOKUPS = [LookupEffects(c, o) for c in Correction for o in (*Outside, None) if c is not Correction.NONE]
 LOOKUPS += [LookupEffects(c, Outside.UNCORRECTED, False, stretched=True) for c in Correction]
 LOOKUPS += [LookupEffects(Correction.ORIENTED_BOX, Outside.OWN, hardening=True)]
+LOOKUPS += [LookupEffects(Correction.ORIENTED_BOX, o, hardening=True, steps=3, refinements=2) for o in (None, *Outside)]
 FORMULAS = [
     lookup.probe(LookupEffects(Correction.NONE, None, False), {"Level 0": 32}),
     *(lookup.probe(effects, {"Level 0": 64, "Level 1": 32}, shares=True) for effects in LOOKUPS),

@@ -47,11 +47,12 @@ def capture_of(
     with contextlib.suppress(BakeError):  # a damaged record; a new one comes in its place
         record = bake_record(probe) if reuse else None
     picture = next((level.image for level in probe.pcc_probe.levels if level.roughness == 0.0), None)
-    if record is None or picture is None or not _holds(probe, record):
+    if record is None or picture is None or record.half_float != spec.half_float or not _holds(probe, record):
         return Capture(spec, plan.faces), None
+    surveys = spec.captures_distance and record.departure is None
     changed, lacking = record.changed(seen.content, seen.faces), record.lacks(plan.faces)
     wanted = tuple(name for name in FACE_NAMES if name in changed or name in lacking)
-    if not wanted or set(record.faces) <= set(changed) or (changed and _guesses(record, wanted)):
+    if (not wanted and not surveys) or set(record.faces) <= set(changed) or (changed and _guesses(record, wanted)):
         return Capture(spec, plan.faces), None
     return Capture(spec, wanted, picture), record
 

@@ -11,6 +11,9 @@ import numpy as np
 
 from ...core import equirect, radiance
 from ...core.cubemap import FACE_NAMES
+from ...core.effects import relief
+from ...core.nearness import of_walls
+from ...core.pictures import NEARNESS
 from ...core.prefilter import prefilter
 from ...core.probe import Engine, ProbeSpec
 from ..store.pictures import read_pixels
@@ -28,6 +31,7 @@ class Capture:
     Attributes:
         names: of the faces to render.
         before: the picture that has others already; None: these are guessed.
+        nearness: 1/metres to what is seen, (2n, 4n), where that is captured too.
     """
 
     spec: ProbeSpec
@@ -35,6 +39,7 @@ class Capture:
     before: bpy.types.Image | None = None
     faces: dict[str, np.ndarray] = field(default_factory=dict)
     picture: np.ndarray | None = None
+    nearness: np.ndarray | None = None
     replaced: list[str] = field(default_factory=list)
     seconds: float = 0.0
 
@@ -45,13 +50,13 @@ class Capture:
     def forget(self) -> None:
         """Let go of all pictures."""
         self.faces.clear()
-        self.picture = None
+        self.picture = self.nearness = None
 
 
 def steps(capture: Capture, roughnesses: Sequence[float]) -> int:
     """Pieces of work: its faces or a picture from elsewhere, assembling, each level but the sharpest, storing."""
-    source = capture.spec.source
-    return (environment.steps(source) if source.stretched else len(capture.names)) + 1 + len(roughnesses)
+    source, surveyed = capture.spec.source, len(FACE_NAMES) * capture.spec.captures_distance
+    return surveyed + (environment.steps(source) if source.stretched else len(capture.names)) + 1 + len(roughnesses)
 
 
 def render(stage: Stage, capture: Capture) -> Iterator[str]:
@@ -78,9 +83,11 @@ def render(stage: Stage, capture: Capture) -> Iterator[str]:
 
 
 def levels_of(capture: Capture, roughnesses: Sequence[float]) -> Generator[str, None, dict[float, np.ndarray]]:
-    """The pictures (2n, 4n, 3) by roughness, with 0 for the capture itself; yields what comes next."""
+    """The pictures (2n, 4n, 3) by roughness, with 0 for the capture itself and `NEARNESS`; yields what comes next."""
     yield "assembling"
     pictures = {0.0: _assembled(capture) if capture.picture is None else capture.picture}
+    if capture.nearness is not None:
+        pictures[NEARNESS] = np.repeat(capture.nearness[..., None], 3, -1)
     for roughness in roughnesses:
         if roughness > 0.0:
             yield f"roughness {roughness:.3g}"
@@ -91,7 +98,20 @@ def levels_of(capture: Capture, roughnesses: Sequence[float]) -> Generator[str, 
 def _assembled(capture: Capture) -> np.ndarray:
     faces = [capture.faces.get(name) for name in FACE_NAMES]
     before = None if capture.before is None else read_pixels(capture.before)
+    if before is not None and not capture.names:
+        return before
     return equirect.from_faces(faces, OVERSCAN, before=before)
+
+
+def render_nearness(stage: Stage, capture: Capture) -> Iterator[str]:
+    """Capture how near things are, within a `Stage.survey`; yields what comes next."""
+    capture.nearness = yield from survey(stage, capture.spec)
+    capture.seconds += stage.owed.pop(capture.spec.name, 0.0)
+
+
+def departure(capture: Capture) -> float | None:
+    """How far what was captured departs from the box at most, over the distance to it; None where that is not known."""
+    return None if capture.nearness is None else relief.departure(capture.nearness, of_walls(capture.spec))
 
 
 def survey(stage: Stage, spec: ProbeSpec) -> Generator[str, None, np.ndarray]:

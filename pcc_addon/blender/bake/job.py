@@ -261,6 +261,14 @@ class BakeJob:
             held = sum(task.capture.bytes_held for task in waiting)
             if task is not tasks[-1] and held < _HELD_BYTES and time.perf_counter() - begin < _HELD_SECONDS:
                 continue
+            with ExitStack() as stack:
+                surveyed = [each for each in waiting if each.capture.spec.captures_distance and not each.failed]
+                if surveyed:
+                    stack.enter_context(stage.survey())
+                for surveyed_task in surveyed:
+                    for message in self._tried(surveyed_task, faces.render_nearness(stage, surveyed_task.capture)):
+                        done += 1
+                        yield done / total, message
             for held_task in waiting:
                 for message in self._tried(held_task, self._store(held_task)):
                     done += 1
@@ -316,6 +324,7 @@ class BakeJob:
             replaced_pixels=tuple(capture.replaced),
             faces=capture.names,
             face_hashes=task.seen.faces,
+            departure=faces.departure(capture),
         )
         record = completed(record, task.completes)
         levels.store(probe, record, pictures, self._folder, self._holders)

@@ -23,7 +23,7 @@ from .moving import is_animated
 _AS_SET = [
     field.name
     for field in fields(ProbeSpec)
-    if field.type in {"int", "float", "bool"} and field.name not in {"corrected", "animated"}
+    if field.type in {"int", "float", "bool"} and field.name not in {"corrected", "relief", "animated"}
 ]
 
 
@@ -71,7 +71,8 @@ def probe_spec(probe: bpy.types.Object) -> ProbeSpec:
         capture_offset=tuple(settings.capture_offset),
         engine=Engine(settings.engine),
         outside=Outside(settings.outside),
-        corrected=settings.correction == "BOX",
+        corrected=settings.correction != "NONE",
+        relief=settings.correction == "RELIEF",
         hidden=tuple(o.name for o in hidden_objects(probe)),
         animated=is_animated(probe),
         source=Source(settings.source),

@@ -62,18 +62,18 @@ def _place(camera: bpy.types.Object, scene: bpy.types.Scene) -> tuple[float, flo
 
 def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers: OtherReaders) -> ProbeReading:
     """One probe; whatever is wrong with it becomes its fault."""
-    spec, captured_at, fault, source, over_frames = None, None, "", Source.BAKE, False
+    spec, captured_at, fault, source, over_frames, departure = None, None, "", Source.BAKE, False, None
     try:
         check_place(probe, view_layer)
         spec = probe_spec(probe)
         record = bake_record(probe)
         if record:
             captured_at, source = record.capture_point_apart_from(spec.box.centre), record.source
-            over_frames = bool(record.moments)
+            over_frames, departure = bool(record.moments), record.departs_from(spec.box)
     except PccError as error:
         fault = str(error)
     by_hand, in_windows = readers.read_by_hand(probe), readers.read_by_windows(probe)
-    return ProbeReading(probe.name, spec, fault, captured_at, source, by_hand, in_windows, over_frames)
+    return ProbeReading(probe.name, spec, fault, captured_at, source, by_hand, in_windows, over_frames, departure)
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:

@@ -123,16 +123,19 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
         return
     # A user may put it on any surface, so nothing is known of those that show it.
     captured_at = record.capture_point_apart_from(spec.box.centre)
-    effects = lookup_effects(spec, probe_group.UNKNOWN_RECEIVERS, captured_at, record.source)
+    effects = lookup_effects(
+        spec, probe_group.UNKNOWN_RECEIVERS, captured_at, record.source, record.departs_from(spec.box)
+    )
     rungs, images, heights = probe_group.shown_levels(probe)
+    pictures = probe_group.read_pictures(probe, images)
     known = probe_group.known_values(spec, record, effects.correction)
     changing = {*known, *DRIVEN}
     recipe = f"{VERSION} {groups.VERSION} {effects.label} {heights} {rungs}"
     tree.name = f"PCC {probe.name}"
     if built.is_built(tree, recipe, changing):
-        probe_group.change(tree, probe, images, known)
+        probe_group.change(tree, probe, pictures, known)
         playback.stop(tree)
-        playback.play(tree, record, images.values())
+        playback.play(tree, record, pictures.values())
         return
     before = tree.nodes.get(_SHOWN)
     shown = before.outputs[0].default_value if before else 1.0
@@ -141,11 +144,11 @@ def _build(tree: bpy.types.ShaderNodeTree, probe: bpy.types.Object) -> None:
     fed = probe_group.given(tree, probe, ("Position", "Incoming", "Normal"))
     fed[_SHOWN] = lambda: _value(tree, shown)
     outputs = formula.by_hand(effects, heights, rungs, known).outputs
-    emit(tree, outputs, Surroundings(fed, images, groups.formula_group, frozenset({"Radiance"})))
+    emit(tree, outputs, Surroundings(fed, pictures, groups.formula_group, frozenset({"Radiance"})))
     _describe(tree, INPUTS, OUTPUTS)
     built.note_built(tree, recipe, changing)
     playback.stop(tree)
-    playback.play(tree, record, images.values())
+    playback.play(tree, record, pictures.values())
     marks.note(tree, marks.VERSION, VERSION)
 
 

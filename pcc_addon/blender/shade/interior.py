@@ -127,8 +127,7 @@ def room_of_probe(probe: bpy.types.Object, side: Side = Side.MINUS_Y) -> RoomIma
 
 
 def _room(probe: bpy.types.Object, record: Sidecar, side: Side) -> RoomImage:
-    levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
-    image = levels[0].image if levels else None
+    image = next((level.image for level in probe.pcc_probe.levels if level.roughness == 0.0), None)
     return RoomImage(room_of(record, side, check_pixels(probe.name, image)), image, record.uid, side)
 
 

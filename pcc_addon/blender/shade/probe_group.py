@@ -9,7 +9,7 @@ from functools import partial
 import bpy
 import numpy as np
 
-from ...core.effects import lookup
+from ...core.effects import lookup, relief
 from ...core.effects.records import Correction, LookupEffects
 from ...core.effects.roughness import rung_name
 from ...core.expression import Operand
@@ -25,7 +25,7 @@ from .drivers import DRIVEN, driven_vector, follow
 from .node_builder import Surroundings, emit
 from .twin_order import ShownProbe
 
-VERSION = 7
+VERSION = 8
 ROLE = "probe"
 UNKNOWN_RECEIVERS = Receivers()
 _BUILT_FOR = "built_for"  # the probe's matrix and drawn size when its group was built
@@ -55,8 +55,10 @@ def refresh_group(
     if record is None:
         return
     spec = probe_spec(probe)
-    effects = lookup_effects(spec, receivers, record.capture_point_apart_from(spec.box.centre), record.source)
+    captured_at, departure = record.capture_point_apart_from(spec.box.centre), record.departs_from(spec.box)
+    effects = lookup_effects(spec, receivers, captured_at, record.source, departure)
     rungs, images, heights = shown_levels(probe)
+    pictures = read_pictures(probe, images)
     known = known_values(spec, record, effects.correction)
     if shares is None:
         shares = probe.pcc_probe.group is not None and bool(marks.noted(probe.pcc_probe.group, _SHARES))
@@ -64,15 +66,15 @@ def refresh_group(
     changing = {*known, *DRIVEN}
     tree = _group_of(probe, recipe, changing)
     if built.is_built(tree, recipe, changing):
-        change(tree, probe, images, known)
+        change(tree, probe, pictures, known)
     else:
         formula = lookup.probe(effects, heights, known, shares=shares)
         tree.animation_data_clear()
         fed = given(tree, probe)
-        emit(tree, formula.outputs, Surroundings(fed, images, groups.formula_group, frozenset(images)))
+        emit(tree, formula.outputs, Surroundings(fed, pictures, groups.formula_group, frozenset(images)))
         built.note_built(tree, recipe, changing)
     playback.stop(tree)
-    playback.play(tree, record, images.values())
+    playback.play(tree, record, pictures.values())
     marks.note(tree, marks.VERSION, VERSION)
     marks.note(tree, _BUILT_FOR, _place(probe))
     marks.note(tree, _RECEIVERS, asdict(receivers))
@@ -88,10 +90,24 @@ def shown_levels(probe: bpy.types.Object) -> tuple[list[float], dict[str, bpy.ty
     Raises:
         BakeError: a picture is missing or cannot be read.
     """
-    levels = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
+    kept = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
+    levels = [level for level in kept if level.roughness >= 0.0]
     images = {rung_name(level.roughness): level.image for level in levels}
     heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
     return [level.roughness for level in levels], images, heights
+
+
+def read_pictures(probe: bpy.types.Object, images: Mapping[str, bpy.types.Image]) -> dict[str, bpy.types.Image]:
+    """All pictures that a lookup reads: those of levels, and that of how near things are where there is one.
+
+    Raises:
+        BakeError: that one is missing or cannot be read.
+    """
+    for level in probe.pcc_probe.levels:
+        if level.roughness < 0.0:
+            check_pixels(probe.name, level.image)
+            return {**images, relief.PICTURE: level.image}
+    return dict(images)
 
 
 def shown_probe(tree: bpy.types.ShaderNodeTree) -> ShownProbe:
@@ -203,8 +219,8 @@ def change(
     """Give a group that is built already a probe, pictures and values; each call takes time, so only what differs."""
     follow(tree, probe)
     for node in tree.nodes:
-        if node.bl_idname == "ShaderNodeTexEnvironment" and node.image != images[node.name]:
-            node.image = images[node.name]
+        if node.bl_idname == "ShaderNodeTexEnvironment" and node.image != images[node.label]:
+            node.image = images[node.label]
         for socket in node.inputs if node.bl_idname == "ShaderNodeGroup" else ():
             value = np.float32(known.get(socket.name, socket.default_value))
             if not np.array_equal(socket.default_value, value):

@@ -186,7 +186,7 @@ class SurfaceBuilder:
 
         A Mix Shader is skipped by Cycles on the side that has no share, so only the probes of the place are read.
         """
-        shader = coverage = None
+        shader = coverage = seen = None
         depths: list[bpy.types.NodeSocket | None] = []
         for row, shown in enumerate(self.probes):
             if row > 0:
@@ -195,12 +195,18 @@ class SurfaceBuilder:
             one, weight = shader_of(lit, row), probe.outputs.get("Weight")
             depths.append(probe.outputs.get("Depth"))
             if shader is None:
-                shader, coverage = one, weight
+                shader, coverage, seen = one, weight, probe.outputs.get("Seen")
                 continue
+            covered = 1.0 if coverage is None else coverage  # a probe that has all of what is its share
+            weight = 1.0 if weight is None else weight
+            sights = {"Seen": probe.outputs.get("Seen", 1.0), "Seen Before": 1.0 if seen is None else seen}
+            if "Seen" in probe.outputs:
+                told = {**sights, "Weight": weight, "Coverage": covered}
+                weight = self._call(choice.YIELDING, -620.0, row, told).outputs["Weight"]
             given = {
                 "Depth": depths[row],
-                "Coverage": 1.0 if coverage is None else coverage,  # a probe that has all of what is its share
-                "Weight": 1.0 if weight is None else weight,
+                "Coverage": covered,
+                "Weight": weight,
                 "Fade": shown.fade,
             }
             if shown.beside:
@@ -208,6 +214,9 @@ class SurfaceBuilder:
             step = self._call(choice.BESIDE if shown.beside else choice.OVER, -500.0, row, given)
             shader = self._mix(480.0, row, step.outputs["Share"], shader, one)
             coverage = step.outputs["Coverage"]
+            if row + 1 < len(self.probes) and (seen is not None or "Seen" in probe.outputs):
+                both = {**sights, "Share": step.outputs["Share"]}
+                seen = self._call(choice.SEEN_BY_BOTH, -380.0, row, both).outputs["Seen"]
         return shader, coverage
 
     def _nearest(self, depths: tuple[bpy.types.NodeSocket, ...], row: int) -> bpy.types.NodeSocket:

@@ -12,7 +12,7 @@ import bpy
 
 from ...core import sidecar
 from ...core.errors import BakeError
-from ...core.pictures import STILL
+from ...core.pictures import NEARNESS, STILL
 from ...core.workplace import UNFINISHED, temporary_folder
 from ..read.holders import Holders
 from . import pictures
@@ -65,7 +65,7 @@ def rename_pictures(probe: bpy.types.Object) -> None:
 
 
 def _image_name(probe: bpy.types.Object, roughness: float) -> str:
-    return f"PCC {probe.name} {roughness:.4f}"
+    return f"PCC {probe.name} Distance" if roughness == NEARNESS else f"PCC {probe.name} {roughness:.4f}"
 
 
 def linked(

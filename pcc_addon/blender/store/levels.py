@@ -12,8 +12,9 @@ import numpy as np
 
 from ...core import sidecar
 from ...core.errors import BakeError
-from ...core.pictures import PictureKey, PictureKind
+from ...core.pictures import NEARNESS, PictureKey, PictureKind
 from ...core.prefilter import prefilter
+from ...core.radiance import as_half
 from ..read.holders import Holders
 from ..read.probes import bake_record, check_own
 from . import leftovers, pictures, sequences
@@ -44,7 +45,7 @@ def store(
     Args:
         probe: the probe object; its `uid` is set.
         record: of the bake; its levels are filled in here.
-        levels: pictures (h, 2h, 3) by roughness, with 0 for the capture itself.
+        levels: pictures (h, 2h, 3) by roughness, with 0 for the capture itself, and `NEARNESS` for how near things are.
         folder: where to; None packs the pictures into the .blend.
         holders: who shows which pictures, where that was asked before.
 
@@ -53,12 +54,20 @@ def store(
     """
     holders = holders or Holders()
     stem = sidecar.file_stem(probe.name, record.uid)
-    described = tuple(_described(stem, k, r, levels[r]) for k, r in enumerate(sorted(levels)))
+    half = record.half_float
+    levels = {r: as_half(picture) if half and r != NEARNESS else picture for r, picture in levels.items()}
+    radiances = sorted(roughness for roughness in levels if roughness != NEARNESS)
+    described = tuple(
+        _described(stem, PictureKey(PictureKind.RADIANCE, k), r, levels[r]) for k, r in enumerate(radiances)
+    )
+    if NEARNESS in levels:
+        described += (_described(stem, PictureKey(PictureKind.NEARNESS, 0), NEARNESS, levels[NEARNESS]),)
     with ExitStack() as stack:
         stack.enter_context(pictures.desk())
         parts = folder_for_parts(stack, folder)
         for level in described:
-            pictures.write_file(parts / level.file, levels[level.roughness])
+            deep = level.key.kind is PictureKind.NEARNESS or not half
+            pictures.write_file(parts / level.file, levels[level.roughness], half=not deep)
         described = tuple(replace(level, size=(parts / level.file).stat().st_size) for level in described)
         record = replace(record, levels=described)
         own = own_images(probe, holders)
@@ -81,8 +90,8 @@ def store(
     keep(probe, record, images, holders)
 
 
-def _described(stem: str, k: int, roughness: float, picture: np.ndarray) -> sidecar.Level:
-    key, digest = PictureKey(PictureKind.RADIANCE, k), sidecar.digest_of(picture)
+def _described(stem: str, key: PictureKey, roughness: float, picture: np.ndarray) -> sidecar.Level:
+    digest = sidecar.digest_of(picture)
     height, width = picture.shape[:2]
     return sidecar.Level(key, roughness, sidecar.level_file(stem, key, digest), width, height, 0, digest)
 
@@ -137,7 +146,8 @@ def faulty_picture(probe: bpy.types.Object, record: sidecar.Sidecar) -> str:
     for level in record.levels:
         image = images.get(round(level.roughness, 4))
         if image is None:
-            return f"its picture of roughness {level.roughness:.3g} is missing from the file"
+            what = "distances" if level.key.kind is PictureKind.NEARNESS else f"roughness {level.roughness:.3g}"
+            return f"its picture of {what} is missing from the file"
         fault = _fault_of(image, level)
         if fault:
             return fault

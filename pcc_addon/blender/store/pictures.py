@@ -50,11 +50,12 @@ class _Desk:
             self._blank[width, height] = temporary(self._stack, bpy.data.images, image)
         return self._blank[width, height]
 
-    def scene(self) -> bpy.types.Scene:
-        """A scene that writes float EXR files."""
+    def scene(self, half: bool) -> bpy.types.Scene:
+        """A scene that writes float EXR files, of 16 or 32 bits."""
         if self._scene is None:
             self._scene = temporary(self._stack, bpy.data.scenes, bpy.data.scenes.new("pcc"))
             compat.set_float_exr(self._scene.render.image_settings)
+        self._scene.render.image_settings.color_depth = "16" if half else "32"
         return self._scene
 
 
@@ -112,8 +113,13 @@ def read_file(path: Path) -> np.ndarray:
         return read_pixels(at.read(path))
 
 
-def write_file(path: Path, picture: np.ndarray) -> None:
-    """Write (height, width, 3) as a 32-bit float EXR, losslessly compressed.
+def write_file(path: Path, picture: np.ndarray, *, half: bool = False) -> None:
+    """Write (height, width, 3) as an EXR of 32-bit floats, losslessly compressed.
+
+    Args:
+        path: where to.
+        picture: of float32.
+        half: whether to write 16-bit floats; the picture must hold nothing else.
 
     Raises:
         BakeError: the file cannot be written.
@@ -125,7 +131,7 @@ def write_file(path: Path, picture: np.ndarray) -> None:
         image = at.blank(width, height)
         image.pixels.foreach_set(pixels.ravel())
         try:
-            image.save_render(str(path), scene=at.scene())
+            image.save_render(str(path), scene=at.scene(half))
         except RuntimeError as error:
             raise BakeError(_cannot_write(path, error)) from error
         if not _holds(path, pixels[..., :3]):

@@ -16,6 +16,7 @@ from ...core import sidecar
 from ...core.errors import BakeError
 from ...core.pictures import PictureKey, PictureKind
 from ...core.prefilter import prefilter
+from ...core.radiance import as_half
 from ..read.holders import Holders
 from . import leftovers, pictures
 from .keeping import cannot_write, folder_for_parts, keep, linked, own_images, rung
@@ -63,10 +64,11 @@ class Reel:
             BakeError: a file cannot be written.
         """
         for roughness in self._roughnesses:
-            path = self._part(number, roughness)
-            pictures.write_file(path, shown[roughness])
-            height, width = shown[roughness].shape[:2]
-            digest = sidecar.digest_of(shown[roughness])
+            path, half = self._part(number, roughness), self._probe.pcc_probe.half_float
+            picture = as_half(shown[roughness]) if half else shown[roughness]
+            pictures.write_file(path, picture, half=half)
+            height, width = picture.shape[:2]
+            digest = sidecar.digest_of(picture)
             self._note(number, roughness, sidecar.Level(_NO_KEY, roughness, "", width, height, 0, digest))
 
     def reuse(self, number: int, shown: Shown) -> None:

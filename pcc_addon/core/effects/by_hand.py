@@ -28,7 +28,7 @@ from .lookup import (
     OFFSET,
     POSITION,
     along_face_normals,
-    lookup_formula,
+    found_along,
     nearness,
     read_picture,
 )
@@ -78,10 +78,11 @@ def by_hand(
     """
     corrected = effects.correction is not Correction.NONE
     shown = replace(effects, outside=Outside.OWN) if corrected else effects
-    values = {**(known or {}), "Direction": Section("Direction", given_or(DIRECTION, MIRRORED))}
-    found = lookup_formula(shown).at(values)
-    weight: Expr = found["Weight"]
-    if "Presence" in found.formula.outputs:
+    direction = Section("Direction", given_or(DIRECTION, MIRRORED))
+    values = {**(known or {}), "Direction": direction}
+    found = found_along(shown, direction, known)
+    weight = found["Weight"]
+    if "Presence" in found:
         weight = weight * found["Presence"]
     levels: dict[str, Expr] = {
         level_name(k): Section("Pictures", read_picture(name, rows, found["Direction"]))

@@ -16,12 +16,15 @@ from __future__ import annotations
 import math
 from functools import cache
 
-from ..expression import Expr, Formula, clamp, lift, maximum, minimum, scalar
+from ..expression import Expr, Formula, clamp, lift, maximum, minimum, mix, scalar
 from .lookup import faded
 from .shading import CAPTURED, ROUGHNESS
 
 DEPTH = scalar("Depth")  # metres of the point below the nearest wall of this probe's box; negative outside
 WEIGHT = scalar("Weight")  # of this probe where it is the only one, 0 … 1
+SEEN = scalar("Seen")  # whether its capture point sees what the ray meets, 0 … 1
+SEEN_BEFORE = scalar("Seen Before")  # the same of the probes before
+SHARE = scalar("Share")  # of this probe among what is covered so far
 DISTANCE = scalar("Distance")  # metres of the point outside the nearest of the boxes before that are apart; 0 inside
 OTHER = scalar("Other Distance")
 COVERAGE = scalar("Coverage")  # how much of the point the probes before this one have together, 0 … 1
@@ -73,6 +76,14 @@ def steepness(fade: float) -> float:
     handover by less.
     """
     return (9.0 / 8.0 + 3.0 * math.sqrt(3.0) / 8.0) / handover(fade)
+
+
+YIELDING = Formula("Probe Yields", {"Weight": WEIGHT * (1.0 - (1.0 - SEEN) * SEEN_BEFORE * COVERAGE)})
+"""The weight of a probe with relief: where its capture point does not see what the ray meets, it yields to those before
+it what they cover and see, so that a second probe shows what the first one cannot."""
+
+SEEN_BY_BOTH = Formula("Seen by Both", {"Seen": mix(SEEN_BEFORE, SEEN, SHARE)})
+"""The same of a probe and those before it, mixed as their pictures are."""
 
 
 @cache

@@ -40,6 +40,7 @@ from ..expression import (
     sqrt,
     vector,
 )
+from . import relief
 from .records import Correction, LookupEffects, Outside
 
 # Metres; a point nearer to a wall than this is on it. Below the spacing of float32 in any box larger than 0.1 mm, and
@@ -188,7 +189,8 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
     Returns:
         "Direction": in world space, or along the box's axes where the picture is stretched to it; not normalised;
         "Weight": how much the influence leaves of the probe, 0 … 1; where its weight or normals count too, "Presence":
-        how much these leave; where it hardens, "Spread" of `spread`.
+        how much these leave; where it hardens, "Spread" of `spread`. With relief what is to be found out first instead
+        of a direction: "Exit" and "Aside" of `relief.met`; `relieved` gives the rest.
     """
     presence: list[Expr] = [PROBE_WEIGHT] if effects.weighted else []
     if effects.correction is Correction.NONE:
@@ -208,12 +210,16 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
         way = corrected = Section("Direction from the capture point", direction - to_capture * near)
         uncorrected = direction
     sharpness: dict[str, Expr] = {}
-    if effects.hardening:
+    if effects.hardening and not effects.steps:
         sharpness["Spread"] = Section("Contact hardening", spread(way))
     normal = along_face_normals(effects.correction, NORMAL) if effects.facing else None
     below = depth(q, normal, per_face=effects.per_face)
     if effects.by_normal:
         presence.append(Section("Influence", fade_by_normal(below, to_capture * -1.0)))
+    if effects.steps:
+        aside = Section("Way to the capture point", to_capture * near)
+        fading = lift(1.0) if effects.outside is None else Section("Influence", faded(below, FALLOFF))
+        return {"Exit": near, "Aside": aside, "Weight": fading, **_presence(presence)}
     if effects.outside is None:
         return {"Direction": corrected, "Weight": lift(1.0), **_presence(presence), **sharpness}
     weight = Section("Influence", faded(below, FALLOFF))
@@ -222,6 +228,22 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
     turned = Section("Influence", mix(uncorrected, normalize(corrected), weight))
     sharpness = {name: mix(1.0, value, weight) for name, value in sharpness.items()}
     return {"Direction": turned, "Weight": lift(1.0), **_presence(presence), **sharpness}
+
+
+def relieved(effects: LookupEffects, found: Mapping[str, Expr], direction: Expr) -> dict[str, Expr]:
+    """What a lookup with relief is without: `lookup` gives what is found, and the ray's direction is that of there."""
+    met = relief.met(direction, found["Aside"], found["Exit"], effects.steps, effects.refinements)
+    place = met["Place"]
+    way = Section("Direction from the capture point", operation(Op.SUBTRACT, direction * place, found["Aside"]))
+    kept = {name: found[name] for name in ("Weight", "Presence") if name in found} | {"Seen": met["Seen"]}
+    hardened: dict[str, Expr] = {}
+    if effects.hardening:
+        hardened["Spread"] = Section("Contact hardening", spread(way * (1.0 / place)))
+    if effects.outside is not Outside.UNCORRECTED:
+        return {"Direction": way, **kept, **hardened}
+    turned = Section("Influence", mix(direction, normalize(way), found["Weight"]))
+    hardened = {name: mix(1.0, value, found["Weight"]) for name, value in hardened.items()}
+    return {**kept, "Direction": turned, "Weight": lift(1.0), **hardened}
 
 
 def _presence(factors: list[Expr]) -> dict[str, Expr]:
@@ -275,6 +297,16 @@ def lookup_formula(effects: LookupEffects) -> Formula:
     return Formula(f"Lookup, {effects.label}", lookup(effects, DIRECTION, POSITION + OFFSET))
 
 
+def found_along(effects: LookupEffects, direction: Expr, known: Mapping[str, Operand] | None = None) -> dict[str, Expr]:
+    """The outputs of `lookup` by name, of a shared formula, which a direction and known values are given to.
+
+    With relief they read the picture `relief.PICTURE`.
+    """
+    calls = lookup_formula(effects).at({**(known or {}), "Direction": direction})
+    found: dict[str, Expr] = {name: calls[name] for name in calls.formula.outputs}
+    return relieved(effects, found, direction) if effects.steps else found
+
+
 def probe(
     effects: LookupEffects,
     heights: Mapping[str, int],
@@ -292,10 +324,10 @@ def probe(
 
     Returns:
         A formula with a radiance for each picture, which it samples under the output's name; with "Weight" where
-        surfaces keep some of their own lobe; with "Depth" of `depth_formula` where it shares; and with "Spread" of
-        `spread` where it hardens.
+        surfaces keep some of their own lobe; with "Depth" of `depth_formula` where it shares, and with "Seen" of
+        `relief.met` where it has relief too; and with "Spread" of `spread` where it hardens.
     """
-    found = lookup_formula(effects).at(known or {})
+    found = found_along(effects, lift((known or {}).get("Direction", DIRECTION)), known)
     corrected = effects.correction is not Correction.NONE
     outputs = {}
     for name, height in heights.items():
@@ -311,4 +343,6 @@ def probe(
     if shares:
         box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction
         outputs["Depth"] = depth_formula(box, effects.per_face).at(known or {})["Depth"]
+        if effects.steps:
+            outputs["Seen"] = found["Seen"]
     return Formula("Probe", outputs)

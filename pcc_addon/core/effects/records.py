@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import Enum
 
 
@@ -47,6 +47,9 @@ class LookupEffects:
         weighted: whether the probe has less than all of a surface even where it is shown in full.
         hardening: whether rough surfaces show the sharper what is nearer to them.
         on_walls: whether rays may leave from the box's walls, where the way to them is 0, or from beyond.
+        steps: places on a ray that are looked at for something captured before the box's wall; 0: none. Excludes
+            `stretched`.
+        refinements: how often the interval between two of them is halved.
     """
 
     correction: Correction = Correction.ORIENTED_BOX
@@ -59,8 +62,10 @@ class LookupEffects:
     weighted: bool = False
     hardening: bool = False
     on_walls: bool = True
+    steps: int = 0
+    refinements: int = 0
 
-    def to_plain(self) -> dict[str, str | bool]:
+    def to_plain(self) -> dict[str, str | bool | int]:
         """Its fields as plain values."""
         plain = asdict(self) | {"correction": self.correction.value}
         return plain | {"outside": self.outside.value if self.outside else ""}
@@ -69,8 +74,11 @@ class LookupEffects:
     def of_plain(cls, plain: Mapping[str, object]) -> LookupEffects:
         """The record of what `to_plain` gave."""
         outside = str(plain["outside"])
-        flags = {name: bool(value) for name, value in plain.items() if name not in {"correction", "outside"}}
-        return cls(Correction(plain["correction"]), Outside(outside) if outside else None, **flags)
+        steps, refinements = (int(str(plain.get(name, 0))) for name in ("steps", "refinements"))
+        others = {"correction", "outside", "steps", "refinements"}
+        flags = {name: bool(value) for name, value in plain.items() if name not in others}
+        found = cls(Correction(plain["correction"]), Outside(outside) if outside else None, **flags)
+        return replace(found, steps=steps, refinements=refinements)
 
     @property
     def label(self) -> str:
@@ -83,6 +91,7 @@ class LookupEffects:
             words += ["per face"] * self.per_face
             words += ["by normal"] * self.by_normal
             words += ["off the walls"] * (not self.on_walls)
+            words += [f"relief {self.steps} + {self.refinements}"] * bool(self.steps)
         words += ["along the box's axes" if self.correction is Correction.NONE else "stretched"] * self.stretched
         words += ["weighted"] * self.weighted
         words += ["hardening"] * self.hardening

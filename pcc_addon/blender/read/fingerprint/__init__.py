@@ -42,6 +42,7 @@ _CAPTURED = [
     if field.name
     not in {"name", "box", "capture_offset", "padding", "falloff", "outside", "corrected", "hidden", "animated"}
     | {"source", "picture", "influence", "followed", "contact_hardening", "forced"}
+    | {"relief", "relief_steps", "relief_refinements", "half_float"}
 ]
 
 
