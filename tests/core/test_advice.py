@@ -210,7 +210,13 @@ def test_the_best_within_the_budget() -> None:
     assert advice(only([quick, frugal])).recommended == 1
     assert advice(only([quick, frugal], budget=30.0)).recommended == 0
     assert "within 30 s" in advice(only([quick, frugal], budget=30.0)).sentences[0]
-    assert advice(only([quick, frugal], budget=1.0)).recommended == 1  # nothing fits, so the best of all
+    nothing_fits = advice(only([quick, frugal], budget=1.0))
+    assert nothing_fits.recommended == 1
+    assert "that was measured, none of them within 1.0 s, is box" in nothing_fits.sentences[0]
+    both = advice(only([quick, frugal], budget=30.0, target=0.01)).sentences[0]
+    assert both.startswith("No setting of the probe meets the target of 1.0 %; the best within 30 s is box, 256 px")
+    neither = advice(only([quick, frugal], budget=1.0, target=0.01)).sentences[0]
+    assert neither.startswith("No setting of the probe meets the target of 1.0 %, and none fits 1.0 s; the best is box")
 
 
 def test_errors_that_another_seed_would_swap_count_as_equal() -> None:
@@ -223,7 +229,7 @@ def test_without_a_probe_or_a_rival_nothing_is_compared() -> None:
     assert empty.winner is alone.winner is Winner.UNKNOWN
     assert empty.recommended is None and empty.presets == ()
     assert "nothing to recommend" in empty.sentences[0]
-    assert "Path tracing was not measured" in alone.sentences[1]
+    assert "Frames without the probe were not measured" in alone.sentences[1]
 
 
 def test_what_nothing_else_reaches() -> None:
@@ -263,6 +269,22 @@ def test_doubtful_errors_are_told_of() -> None:
     clear, blurred = (advice(only([probe(0.05, 20.0, 1.4)], noise=noise)) for noise in (0.01, 0.04))
     assert "trust" not in " ".join(clear.sentences)
     assert "64% of the measured error's square is noise of the truth itself" in blurred.sentences[-1]
+
+
+def test_what_is_lost_in_noise_is_not_taken_for_perfect() -> None:
+    """Errors below the truth's noise count as the least that can be told, so that path tracing can equal them."""
+    good = [path(n, 0.4 / math.sqrt(n), 0.1 * n) for n in (4, 16, 64, 256, 1024)]
+    found = only([probe(0.01, 20.0, 1.4), *good], noise=0.012)
+    result = advice(found)
+    assert error_of(found, found.measurements[0]) == pytest.approx(0.012 * math.sqrt(0.21))
+    assert result.same_error is not None and result.same_error.error == pytest.approx(0.0055, rel=0.01)
+    assert "how small only a truth with more samples can tell" in result.sentences[-1]
+
+
+def test_eevee_without_probes_is_called_so() -> None:
+    eevee = [path(n, 0.2, 0.1 * n, engine=Engine.EEVEE) for n in (4, 16)]
+    told = advice(only([probe(0.3, 20.0, 1.4), *eevee])).sentences[0]
+    assert told.startswith("EEVEE without probes wins here, because the probe's error stays at 30 % or above")
 
 
 def test_presets_go_from_cheap_to_good() -> None:

@@ -171,16 +171,19 @@ def _winner(
 
 
 def _recommendation(report: CostReport, rung: Measurement, meets: bool | None) -> str:
+    target, budget = labels.error(report.target or 0.0), labels.seconds(report.budget or 0.0)
     costs = f"it bakes in {labels.seconds(rung.bake_seconds)} and takes {labels.seconds(rung.frame_seconds)} a frame"
     what = f"{labels.label(rung.settings)}: error {labels.error(error_of(report, rung))}; {costs}."
     if meets:
-        return (
-            f"The cheapest setting of the probe that meets the target of {labels.error(report.target or 0.0)} is {what}"
-        )
-    if meets is None:
-        limit = "" if report.budget is None else f" within {labels.seconds(report.budget)}"
-        return f"The best setting of the probe{limit} is {what}"
-    return f"No setting of the probe meets the target of {labels.error(report.target or 0.0)}; the best is {what}"
+        return f"The cheapest setting of the probe that meets the target of {target} is {what}"
+    within = report.budget is None or rung.bake_seconds + rung.frame_seconds <= report.budget
+    limit = f" within {budget}" if report.budget is not None and within else ""
+    begin = (
+        "The best setting of the probe" if meets is None else f"No setting of the probe meets the target of {target}"
+    )
+    if not within:
+        begin += f" that was measured, none of them within {budget}," if meets is None else f", and none fits {budget}"
+    return f"{begin}{limit} is {what}" if meets is None else f"{begin}; the best{limit} is {what}"
 
 
 def _comparison(
@@ -188,10 +191,12 @@ def _comparison(
 ) -> Iterator[str]:
     error, frame, bake = _told(report, rung)
     if winner is Winner.UNKNOWN:
-        yield "Path tracing was not measured, so whether the bake pays for itself is not known."
+        yield "Frames without the probe were not measured, so whether the bake pays for itself is not known."
         return
     if winner is Winner.PATH:
-        yield f"Path tracing wins here, because {_why_path_wins(report, rung, rivals)}."
+        assert rivals.enough is not None  # otherwise the probe wins
+        why = _why_path_wins(report, rung, rivals.enough, rivals)
+        yield f"{_capital(rivals.enough.name)} wins here, because {why}."
     if rivals.same_error is None:
         best = min((curve.points[-1] for curve in curves), key=lambda point: point.error)
         yield (
@@ -206,7 +211,8 @@ def _comparison(
             f"probe {frame}."
         )
     if rivals.same_time is None:
-        yield f"Path tracing has no picture at all in the {frame} that a frame takes with the probe."
+        name = _capital(curves[0].points[0].name)
+        yield f"{name} has no picture at all in the {frame} that a frame takes with the probe."
     elif rivals.same_time.error > error_of(report, rung):
         yield (
             f"In the same {frame} a frame {rivals.same_time.words} has an error of "
@@ -223,11 +229,14 @@ def _told(report: CostReport, rung: Measurement) -> tuple[str, str, str]:
     )
 
 
-def _why_path_wins(report: CostReport, rung: Measurement, rivals: _Rivals) -> str:
+def _capital(words: str) -> str:
+    return words[0].upper() + words[1:]
+
+
+def _why_path_wins(report: CostReport, rung: Measurement, enough: PathPoint, rivals: _Rivals) -> str:
     """From the numbers: too few frames, a target that needs no probe, the probe's least error, or no gain in time."""
     error, frame, bake = _told(report, rung)
-    enough, same_time = rivals.enough, rivals.same_time
-    assert enough is not None  # otherwise the probe wins
+    same_time = rivals.same_time
     if enough.seconds > rung.frame_seconds:
         frames = report.planned or 0
         few = f"{labels.counted(frames, 'frame')} {'is' if frames == 1 else 'are'} too few for a bake of {bake}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from enum import Enum
 
-from .metrics import without_noise
+from .metrics import least_error, without_noise
 from .records import CostReport, Kind, Measurement
 
 
@@ -47,8 +47,13 @@ def undominated(report: CostReport) -> tuple[int, ...]:
 
 
 def error_of(report: CostReport, measurement: Measurement) -> float:
-    """The relative RMSE of a measurement without what the truth's own noise adds."""
-    return without_noise(measurement.rmse, report.truth.noise)
+    """The relative RMSE of a measurement without what the truth's own noise adds.
+
+    Not less than can be told against this truth: what is lost in its noise would come out as no error at all, which
+    nothing could equal.
+    """
+    noise = report.truth.noise
+    return max(without_noise(measurement.rmse, noise), min(measurement.rmse, least_error(noise)))
 
 
 def _front(report: CostReport, coordinates: Callable[[Measurement], tuple[float, ...]]) -> tuple[int, ...]:

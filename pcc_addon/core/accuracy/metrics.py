@@ -81,6 +81,11 @@ def without_noise(rmse: float, noise: float) -> float:
     return math.sqrt(max(rmse * rmse - noise * noise, 0.0))
 
 
+def least_error(noise: float) -> float:
+    """The smallest error that can be told against a truth with this noise: what is left where trust ends."""
+    return math.sqrt(_LOST * _LOST - 1.0) * noise
+
+
 class Trust(str, Enum):
     """How much of a measured error may be the truth's own noise."""
 

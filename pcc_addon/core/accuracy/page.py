@@ -27,7 +27,11 @@ _CAPTIONS = {
     "error_bake": "Error of the probe against the seconds of its bake.",
     "error_rungs": "The error of each setting.",
 }
-_VERDICTS = {Winner.PROBE: "The probe wins here", Winner.PATH: "Path tracing wins here", Winner.UNKNOWN: "Not compared"}
+_VERDICTS = {
+    Winner.PROBE: "Better with the probe",
+    Winner.PATH: "Better without the probe",
+    Winner.UNKNOWN: "Not compared",
+}
 _NEAR = math.log(1.25)
 _SORTED_BY = "Error"
 # No script but ours, which fetches nothing; no picture but those in the file.

@@ -46,10 +46,14 @@ class PathPoint:
     measured: bool
 
     @property
+    def name(self) -> str:
+        """What the engine does without probes."""
+        return without_probes(self.engine)
+
+    @property
     def words(self) -> str:
         """Such as "denoised path tracing"."""
-        name = without_probes(self.engine)
-        return f"denoised {name}" if self.denoised else name
+        return f"denoised {self.name}" if self.denoised else self.name
 
 
 @dataclass(frozen=True)
