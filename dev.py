@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parent
 VENVS = ROOT / ".venvs"
 # Blender version: the Python that its bpy wheel is for. The last one whose Python is found is the default.
 BLENDERS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
-TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*"]
+TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*", "flip-evaluator==1.*"]
 FIGURES = ["matplotlib==3.*", "pillow>=11"]
 MEMORY_OF_A_SUITE = 4 << 30  # bytes; the heavy tests leave Blender with 3 GB
 RUFF = "ruff==0.14.*"

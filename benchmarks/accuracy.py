@@ -18,12 +18,12 @@ from functools import partial
 from pathlib import Path
 
 import bpy
-from pcc_addon.core.accuracy.advice import advice
-from pcc_addon.core.accuracy.front import Axis, error_of, front
 
 from benchmarks.measure import ROOT, relative_rmse, render, start, table, write_between
 from pcc_addon.blender.read.probes import all_probes
 from pcc_addon.core.accuracy import files, labels
+from pcc_addon.core.accuracy.advice import advice
+from pcc_addon.core.accuracy.front import Axis, error_of, front
 from pcc_addon.core.accuracy.records import CostReport, Kind, Measurement
 from pcc_addon.core.probe import Engine
 from sample_blends import glass, scenes

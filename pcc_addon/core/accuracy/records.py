@@ -87,7 +87,7 @@ class Truth:
     """The path-traced picture that all others are compared with.
 
     Attributes:
-        samples: per pixel.
+        samples: per pixel, of both halves together.
         noise: relative RMSE of its own noise over the served pixels, estimated from its two halves.
         seconds: it took.
         served: share of the picture's pixels that the probe serves.
@@ -116,6 +116,9 @@ class CostReport:
         seconds: of the whole run, resumed ones included.
         budget: seconds that were allowed; None: the default.
         target: the error asked for; None: none was.
+        planned: frames that the artist is going to render; None: unknown.
+        heat_map: file name in the results' folder of a picture that shows where the recommended probe errs; empty:
+            none.
     """
 
     file: str
@@ -132,3 +135,5 @@ class CostReport:
     seconds: float = 0.0
     budget: float | None = None
     target: float | None = None
+    planned: int | None = None
+    heat_map: str = ""
