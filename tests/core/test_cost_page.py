@@ -188,9 +188,9 @@ def test_a_picture_is_what_other_programs_read(tmp_path: Path) -> None:
 
 
 def test_only_pictures_of_three_bytes_are_written() -> None:
-    with pytest.raises(ValueError, match="bytes are needed"):
+    with pytest.raises(ValueError, match="bytes of uint8"):
         png.png_of_bytes(np.zeros((2, 2, 4), np.uint8))
-    with pytest.raises(ValueError, match="bytes are needed"):
+    with pytest.raises(ValueError, match="bytes of uint8"):
         png.png_of_bytes(np.zeros((2, 2, 3)))
 
 
