@@ -272,6 +272,11 @@ class PCC_Probe(bpy.types.PropertyGroup):
     uid: bpy.props.StringProperty(options={"HIDDEN"})
     group: bpy.props.PointerProperty(type=bpy.types.NodeTree)
     levels: bpy.props.CollectionProperty(type=PCC_BakedLevel)
+    advice: bpy.props.StringProperty(
+        name="Advice",
+        description="What the last measurement of costs recommends instead of this probe; empty: nothing",
+        options={"HIDDEN"},
+    )
     bake_record: bpy.props.StringProperty(options={"HIDDEN"}, description="The sidecar of the last bake")
 
 

@@ -107,6 +107,8 @@ def plan_probe(
         reasons.append(f"{named(refusing)} in its influence are not to show it")
     if shared:
         reasons.append(f"shares {named(shared)} with other probes, by place")
+    if reading.advice:
+        reasons.append(f"measured: {reading.advice}")
     unneeded = "" if showing else _unneeded(spec, found, scene, reading)
     levels, decision = _levels(spec, shown_by, reading)
     pictures = tuple(PictureKey(PictureKind.RADIANCE, level) for level in levels)

@@ -183,6 +183,7 @@ class ProbeReading:
         in_windows: whether windows show its room.
         over_frames: whether it has pictures for frames, at which others may show it than now.
         departure: `Sidecar.departs_from` its box.
+        advice: what a measurement of costs recommends instead of it, a sentence; empty: nothing.
     """
 
     name: str
@@ -194,6 +195,7 @@ class ProbeReading:
     in_windows: bool = False
     over_frames: bool = False
     departure: float | None = None
+    advice: str = ""
 
     @property
     def read_anyhow(self) -> bool:

@@ -267,3 +267,9 @@ def test_relief_is_on_where_what_was_captured_departs_from_the_box(departure, ca
     [hall] = plan.probes
     assert decision(hall, Effect.RELIEF).on is on and bool(hall.lookup.steps) is on
     assert decision(hall, Effect.RELIEF).why
+
+
+def test_what_a_measurement_of_costs_recommends_is_told() -> None:
+    reading = replace(probe("Hall"), advice="Path tracing wins here, because its frames are as quick.")
+    plan = make_plan(SceneReading("Scene", (reading,), (material("Wood"),), (placement("Table", "Wood"),)))
+    assert "measured: Path tracing wins here, because its frames are as quick." in plan.probe("Hall").reasons

@@ -73,7 +73,18 @@ def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers
     except PccError as error:
         fault = str(error)
     by_hand, in_windows = readers.read_by_hand(probe), readers.read_by_windows(probe)
-    return ProbeReading(probe.name, spec, fault, captured_at, source, by_hand, in_windows, over_frames, departure)
+    return ProbeReading(
+        probe.name,
+        spec,
+        fault,
+        captured_at,
+        source,
+        by_hand,
+        in_windows,
+        over_frames,
+        departure,
+        probe.pcc_probe.advice,
+    )
 
 
 def rendered_objects(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
