@@ -11,6 +11,7 @@ def register() -> None:
     from .ui import (
         by_hand,
         effects,
+        fitting,
         interior,
         last_misfit,
         last_plan,
@@ -26,6 +27,7 @@ def register() -> None:
     properties.register()
     for cls in (
         *operators.CLASSES,
+        *fitting.CLASSES,
         *picture.CLASSES,
         *presets.CLASSES,
         *plan.CLASSES,
@@ -54,6 +56,7 @@ def unregister() -> None:
     from .ui import (
         by_hand,
         effects,
+        fitting,
         interior,
         last_misfit,
         last_plan,
@@ -77,6 +80,7 @@ def unregister() -> None:
     for cls in reversed(
         (
             *operators.CLASSES,
+            *fitting.CLASSES,
             *picture.CLASSES,
             *presets.CLASSES,
             *plan.CLASSES,

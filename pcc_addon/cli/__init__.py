@@ -62,7 +62,7 @@ def _run(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
         stop.check()
         failures = commands.COMMANDS[options.sub](options, voice, stop)
         stop.check()
-        if options.sub != "bake" or voice.said("baked"):
+        if options.sub not in commands.WORK or voice.said(commands.WORK[options.sub]):
             commands.save(options, voice)
         stop.check()
     except (Cancelled, KeyboardInterrupt):

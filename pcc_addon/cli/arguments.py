@@ -55,6 +55,11 @@ def parser(file_is_open: bool) -> argparse.ArgumentParser:
     bake.add_argument(
         "--allow-missing-textures", action="store_true", help="missing image files, baked in pink, are no failure"
     )
+    fit = sub("fit", "say how the probes' boxes fit the rooms around them, and make them fit")
+    fit.add_argument("--probe", action="append", metavar="NAME", help="only this probe (may be repeated)")
+    fit.add_argument(
+        "--apply", action="store_true", help="give the probes the boxes and capture points that were found"
+    )
     sub("inject", "let the materials show the baked probes")
     sub("remove", "restore the materials")
     sub("plan", "say which materials show which probe, and why others do not", saves=False)

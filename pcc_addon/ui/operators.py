@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import bpy
 
-from ..blender.bake.job import BakedProbe, BakeJob
+from ..blender.bake.job import BakeJob
 from ..blender.probes import add_probe
 from ..blender.read.probes import all_probes
 from ..blender.shade import injection
 from ..blender.status import waiting_among
 from ..blender.store.levels import bake_folder
-from ..core.errors import Cancelled, PccError
+from ..core.errors import PccError
 from ..core.frames import FIRST_FRAME, LAST_FRAME, FrameRange, parse_frames
 from . import last_plan
+from .running import RunsJob
 
 _SCOPE = bpy.props.EnumProperty(
     name="Scope",
@@ -83,7 +82,7 @@ class PCC_OT_probe_add(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PCC_OT_bake(bpy.types.Operator):
+class PCC_OT_bake(RunsJob, bpy.types.Operator):
     """Bake what the probes see. Esc cancels and leaves everything as it was"""
 
     bl_idname = "pcc.bake"
@@ -102,7 +101,7 @@ class PCC_OT_bake(bpy.types.Operator):
     )
     _job: BakeJob | None = None
     _left: int = 0  # probes that are stale and that nothing shows
-    _timer: bpy.types.Timer | None = None
+    _when_cancelled = "Bake cancelled; probes that were not finished keep their old bakes"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -149,62 +148,12 @@ class PCC_OT_bake(bpy.types.Operator):
         verb, those = ("is", "it") if self._left == 1 else ("are", "them")
         return f"; {self._left} {verb} left as nothing shows {those}"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        if ended := self._start(context):
-            return ended
-        try:
-            results = self._job.run()
-        except PccError as error:
-            self.report({"ERROR"}, str(error))
-            return self._stopped()
-        return self._report(context, results)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if bpy.app.background:
-            return self.execute(context)
-        if ended := self._start(context):
-            return ended
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(0.01, window=context.window)
-        manager.progress_begin(0.0, 1.0)
-        context.window.cursor_modal_set("WAIT")
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type == "ESC":
-            self._job.cancel()
-            self._finish(context)
-            self.report({"WARNING"}, "Bake cancelled; probes that were not finished keep their old bakes")
-            return self._stopped()
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}  # nothing may be edited while the scene is set up for the bake
-        try:
-            more = self._job.step()
-        except Exception as error:
-            self._finish(context)
-            if not isinstance(error, PccError):
-                raise
-            self.report({"WARNING" if isinstance(error, Cancelled) else "ERROR"}, str(error))
-            return self._stopped()
-        context.window_manager.progress_update(self._job.progress)
-        context.workspace.status_text_set(f"{self._job.progress:.0%}  {self._job.message}  (Esc: cancel)")
-        if more:
-            return {"RUNNING_MODAL"}
-        self._finish(context)
-        return self._report(context, self._job.results)
-
     def _stopped(self) -> set[str]:
         """What a bake that did not end returns: an undo step where some of its probes were finished."""
         return {"FINISHED"} if any(result.error is None for result in self._job.results) else {"CANCELLED"}
 
-    def _finish(self, context: bpy.types.Context) -> None:
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
-
-    def _report(self, context: bpy.types.Context, results: Sequence[BakedProbe]) -> set[str]:
+    def _report(self, context: bpy.types.Context) -> set[str]:
+        results = self._job.results
         last_plan.make(context.scene, context.view_layer)
         for line in self._job.missing_textures:
             self.report({"WARNING"}, f"{line}; the bake shows it in pink")

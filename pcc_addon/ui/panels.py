@@ -61,6 +61,7 @@ class PCC_PT_probe(bpy.types.Panel):
         box.prop(settings, "outside")
         box.prop(settings, "contact_hardening")
         column = layout.column(align=True)
+        column.operator("pcc.fit", icon="FULLSCREEN_EXIT")
         column.operator("pcc.bake", icon="RENDER_STILL", text="Bake Selected Probes").scope = "SELECTED"
         words = _words(last_plan.of(context.scene), context.object.name)
         if words:

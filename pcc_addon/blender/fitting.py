@@ -1,0 +1,227 @@
+"""Fitting probes' boxes to the rooms around them, a step at a time, and setting the probes so."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ..core.errors import Cancelled, PccError, ProbeError
+from ..core.fit.capture_point import suggested
+from ..core.fit.choice import better, elsewhere, settled
+from ..core.fit.records import Fit, offset_of
+from ..core.fit.room import Fitted, fit_of, fit_room
+from ..core.probe import ProbeSpec, Source
+from . import handlers
+from .bake import faces
+from .bake.capture import Stage
+from .read.moving import is_animated
+from .read.probes import check_own, check_place, probe_spec
+
+_RESOLUTION = 96  # pixels of a face: a wall of 5 m is found to 0.02 mm, and what is a hand wide is seen
+_STEPS = 14  # of a probe: two surveys of six faces, and what is made of each
+_EXACT = 1e-4  # of a box's size: how exactly an object must be able to take it
+_NO_TURN = 1e-6  # radians that only rounding makes
+
+
+@dataclass(frozen=True)
+class FittedProbe:
+    """What became of one probe.
+
+    Attributes:
+        probe: its name.
+        error: why it has no fit, or None.
+        fit: it, or None.
+        seconds: that it took.
+    """
+
+    probe: str
+    error: str | None = None
+    fit: Fit | None = None
+    seconds: float = 0.0
+
+
+class FitJob:
+    """Fits probes of a scene. Call `step` until it returns False, or `cancel`; the scene is changed in between.
+
+    Attributes:
+        progress: 0 … 1.
+        message: what is being done.
+        results: one for each probe that is finished or failed.
+    """
+
+    def __init__(
+        self, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, probes: Sequence[bpy.types.Object]
+    ) -> None:
+        """A fit that has not begun.
+
+        Args:
+            scene, view_layer: what is looked at.
+            probes: those to fit.
+        """
+        self.progress = 0.0
+        self.message = "Preparing"
+        self.results: list[FittedProbe] = []
+        self._scene, self._view_layer, self._probes = scene, view_layer, list(probes)
+        self._stack = ExitStack()
+        self._work = self._run()
+
+    def step(self) -> bool:
+        """Do the next piece of work; False once all is done and the scene is restored.
+
+        Raises:
+            Cancelled: the user stopped a render.
+            Exception: whatever else went wrong. In every case the scene is restored first.
+        """
+        try:
+            next(self._work)
+        except StopIteration:
+            self._stack.close()
+            self.progress, self.message = 1.0, "Done"
+            return False
+        except BaseException:
+            self._stack.close()
+            raise
+        return True
+
+    def cancel(self) -> None:
+        """Stop and restore the scene."""
+        self._work.close()
+        self._stack.close()
+        self.message = "Cancelled"
+
+    def run(self) -> list[FittedProbe]:
+        """All steps at once."""
+        while self.step():
+            pass
+        return self.results
+
+    def _run(self) -> Iterator[None]:
+        self._view_layer.update()
+        ready = self._read()
+        if not ready:
+            return
+        yield
+        self._stack.enter_context(handlers.paused())
+        stage = Stage(self._stack, self._scene, self._view_layer, ready)
+        self._stack.enter_context(stage.survey())
+        for index, spec in enumerate(ready):
+            begin, done = time.perf_counter(), 0
+            work = _fit(stage, spec)
+            while True:
+                try:
+                    message = next(work)
+                except StopIteration as end:
+                    self.results.append(FittedProbe(spec.name, None, end.value, time.perf_counter() - begin))
+                    break
+                except Cancelled:
+                    raise
+                except PccError as error:
+                    self.results.append(FittedProbe(spec.name, str(error)))
+                    break
+                self.progress = (index + min(done / _STEPS, 1.0)) / len(ready)
+                self.message, done = f"{spec.name}: {message}", done + 1
+                yield
+
+    def _read(self) -> list[ProbeSpec]:
+        """The records of those that can be fitted; faults become results."""
+        ready = []
+        for probe in self._probes:
+            try:
+                check_free(probe)
+                check_place(probe, self._view_layer)
+                ready.append(replace(probe_spec(probe), resolution=_RESOLUTION))
+            except PccError as error:
+                self.results.append(FittedProbe(probe.name, str(error)))
+        return ready
+
+
+def check_free(probe: bpy.types.Object) -> None:
+    """Refuse a probe whose transform is not its own.
+
+    Raises:
+        ProbeError: names it and says what to do.
+    """
+    check_own(probe)
+    if probe.library is not None:
+        raise ProbeError(f"probe '{probe.name}' is linked from '{probe.library.filepath}'; fit it in that file")
+    if is_animated(probe):
+        raise ProbeError(
+            f"probe '{probe.name}' or a parent of it is animated or constrained, so that a fit would not last; take "
+            "the animation or the constraints away, or fit it by hand"
+        )
+
+
+def _fit(stage: Stage, spec: ProbeSpec) -> Generator[str, None, Fit]:
+    """The fit of one probe, within a survey; yields what comes next.
+
+    Raises:
+        Cancelled, BakeError: as `Stage.nearness`.
+        PccError: nothing can be seen.
+    """
+    own = yield from _look(stage, spec, spec.capture_point)
+    first = own
+    for point in elsewhere(spec.box, spec.capture_point) if own.is_lost else ():
+        try:
+            first = better(first, (yield from _look(stage, spec, point)))
+        except Cancelled:
+            raise
+        except PccError:  # nothing is seen from there
+            continue
+        if not first.is_lost:
+            break
+    yield "capture point"
+    if spec.followed is not None:
+        return fit_of(spec.name, own, replace(first, cloud=own.cloud), spec.box)
+    point = first.box.centre if spec.source.stretched else suggested(first.cloud, first.box)
+    if np.array_equal(point, first.cloud.point):
+        return fit_of(spec.name, own, first, spec.box)
+    second = yield from _look(stage, spec, point)
+    after = settled(first, second)
+    if spec.source.stretched:
+        after = replace(after, cloud=second.cloud)
+    return fit_of(spec.name, own, after, spec.box)
+
+
+def _look(stage: Stage, spec: ProbeSpec, point: np.ndarray) -> Generator[str, None, Fitted]:
+    """The box as a point shows it; yields what comes next."""
+    offset = offset_of(spec.box, point, spec.box.centre)
+    here = replace(spec, capture_offset=offset, followed=None, source=Source.BAKE)
+    stage.expect([here])
+    nearness = yield from faces.survey(stage, here)
+    yield "walls"
+    return fit_room(spec.name, spec.box, nearness, here.capture_point)
+
+
+def apply_fit(probe: bpy.types.Object, fit: Fit, view_layer: bpy.types.ViewLayer) -> None:
+    """Give a probe the box and the capture point of a fit; its display size stays.
+
+    Raises:
+        ProbeError: its transform is not its own, or no transform of its own gives it the box; then it is as before.
+    """
+    check_free(probe)
+    settings = probe.pcc_probe
+    basis = probe.matrix_basis.copy()
+    matrix = np.array(fit.after.matrix).reshape(4, 4)
+    matrix[:3, :3] /= probe.empty_display_size
+    probe.matrix_world = Matrix(matrix.tolist())
+    if probe.parent is None and probe.rotation_mode not in {"QUATERNION", "AXIS_ANGLE"}:
+        probe.rotation_euler = [0.0 if abs(angle) < _NO_TURN else angle for angle in probe.rotation_euler]
+    view_layer.update()
+    spec = probe_spec(probe)
+    off = max(np.abs(spec.box.axes - fit.after.axes).max(), np.linalg.norm(spec.box.centre - fit.after.centre))
+    if off > _EXACT * float(fit.after.half_extents.max()) + spec.boundary:
+        probe.matrix_basis = basis
+        view_layer.update()
+        raise ProbeError(
+            f"probe '{probe.name}': its parents shear it, so that no box with right angles is left; clear its parent "
+            "(Object > Parent > Clear and Keep Transformation) and fit again"
+        )
+    if not spec.source.stretched:
+        origin = fit.after.centre if spec.followed is None else np.array(spec.followed)
+        settings.capture_offset = offset_of(fit.after, np.array(fit.point_after), origin)
