@@ -37,7 +37,7 @@ class Wall:
     Attributes:
         name: as in `WALL_NAMES`.
         found: whether there is a wall that it lies on now; otherwise it is as it was drawn.
-        moved: metres outwards, at its middle.
+        moved: how much farther it is from the middle of the drawn box than the drawn face, metres.
         seen, covered, open: shares of its rays by solid angle: that meet it, that meet something before it, that meet
             something beyond it or nothing.
     """

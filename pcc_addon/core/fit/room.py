@@ -169,8 +169,8 @@ def _walls(cloud: Cloud, drawn: Box, box: Box, room: Room) -> tuple[Wall, ...]:
             for chosen in (np.abs(off) <= tolerance, off < -tolerance, off > tolerance)
         )
         sign = 1.0 if end else -1.0
-        middle = drawn.centre + sign * drawn.axes[:, axis]
-        moved = sign * (room.axes[:, axis] @ (cloud.point - middle) + room.ends[end, axis])
+        away = room.axes[:, axis] @ (cloud.point - drawn.centre) + room.ends[end, axis]
+        moved = sign * away - drawn.half_widths[axis]
         found.append(Wall(name, bool(room.found[end, axis]), float(moved), seen, covered, beyond))
     return tuple(found)
 
