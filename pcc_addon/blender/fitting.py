@@ -6,16 +6,16 @@ import time
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 
 from ..core.errors import Cancelled, PccError, ProbeError
-from ..core.fit.capture_point import suggested
-from ..core.fit.choice import better, elsewhere, settled
+from ..core.fit.choice import chosen
 from ..core.fit.records import Fit, offset_of
-from ..core.fit.room import Fitted, fit_of, fit_room
+from ..core.fit.room import Fitted, fit_room
 from ..core.probe import ProbeSpec, Source
 from . import handlers
 from .bake import faces
@@ -112,7 +112,7 @@ class FitJob:
         self._stack.enter_context(stage.survey())
         for index, spec in enumerate(ready):
             begin, done = time.perf_counter(), 0
-            work = _fit(stage, spec)
+            work = chosen(spec, partial(_look, stage, spec))
             while True:
                 try:
                     message = next(work)
@@ -157,39 +157,13 @@ def check_free(probe: bpy.types.Object) -> None:
         )
 
 
-def _fit(stage: Stage, spec: ProbeSpec) -> Generator[str, None, Fit]:
-    """The fit of one probe, within a survey; yields what comes next.
+def _look(stage: Stage, spec: ProbeSpec, point: np.ndarray) -> Generator[str, None, Fitted]:
+    """The box as a point shows it, within a survey; yields what comes next.
 
     Raises:
         Cancelled, BakeError: as `Stage.nearness`.
-        PccError: nothing can be seen.
+        ProbeError: nothing is seen.
     """
-    own = yield from _look(stage, spec, spec.capture_point)
-    first = own
-    for point in elsewhere(spec.box, spec.capture_point) if own.is_lost else ():
-        try:
-            first = better(first, (yield from _look(stage, spec, point)))
-        except Cancelled:
-            raise
-        except PccError:  # nothing is seen from there
-            continue
-        if not first.is_lost:
-            break
-    yield "capture point"
-    if spec.followed is not None:
-        return fit_of(spec.name, own, replace(first, cloud=own.cloud), spec.box)
-    point = first.box.centre if spec.source.stretched else suggested(first.cloud, first.box)
-    if np.array_equal(point, first.cloud.point):
-        return fit_of(spec.name, own, first, spec.box)
-    second = yield from _look(stage, spec, point)
-    after = settled(first, second)
-    if spec.source.stretched:
-        after = replace(after, cloud=second.cloud)
-    return fit_of(spec.name, own, after, spec.box)
-
-
-def _look(stage: Stage, spec: ProbeSpec, point: np.ndarray) -> Generator[str, None, Fitted]:
-    """The box as a point shows it; yields what comes next."""
     offset = offset_of(spec.box, point, spec.box.centre)
     here = replace(spec, capture_offset=offset, followed=None, source=Source.BAKE)
     stage.expect([here])

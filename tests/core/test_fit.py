@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Generator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pcc_addon.core import equirect
-from pcc_addon.core.errors import PccError
+from pcc_addon.core.errors import ProbeError
+from pcc_addon.core.fit.capture_point import seen_share
+from pcc_addon.core.fit.choice import chosen
 from pcc_addon.core.fit.cloud import FAR, cloud_of
 from pcc_addon.core.fit.misfit import exits, misfit
+from pcc_addon.core.fit.records import Fit
+from pcc_addon.core.fit.report import headline, lines, record
 from pcc_addon.core.fit.room import Fitted, fit_of, fit_room
-from pcc_addon.core.probe import Box, Correction
+from pcc_addon.core.probe import Box, Correction, ProbeSpec
 from tests.core.rooms import Place, about_x, about_z, box, drawn_wrong, furnished, nearness, wall_errors
 
 CLEAN = box((0.0, 0.0, 0.0), (3.0, 2.2, 1.3))
@@ -191,7 +197,7 @@ def test_a_capture_point_in_a_cupboard_or_outside_is_told() -> None:
 
 
 def test_where_nothing_is_seen_the_probe_is_named() -> None:
-    with pytest.raises(PccError, match=r"probe 'Probe': nothing is seen"):
+    with pytest.raises(ProbeError, match=r"probe 'Probe': nothing is seen"):
         fit_room("Probe", CLEAN, np.zeros((64, 128), np.float32), np.zeros(3))
 
 
@@ -228,3 +234,78 @@ def test_misfits_are_distances_along_rays() -> None:
     assert misfit(box((0.0, 0.0, 0.0), 0.9 * CLEAN.half_extents), cloud).beyond == 1.0
     half = replace(cloud, distances=np.where(cloud.ways[:, 2] > 0.0, FAR, cloud.distances))
     assert misfit(CLEAN, half).median < 1e-6, "what sees nothing has no distance"
+
+
+def choose(place: Place, drawn: Box, offset: tuple[float, float, float] = (0.0, 0.0, 0.0), **settings: object) -> Fit:
+    """The fit of a probe with that box and capture offset, without a renderer."""
+    spec = ProbeSpec("Probe", drawn, offset, **settings)
+
+    def look(point: np.ndarray) -> Generator[str, None, Fitted]:
+        yield "looking"
+        return fit_room(spec.name, spec.box, nearness(place, point), point)
+
+    work = chosen(spec, look)
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            return end.value
+
+
+def room_with_a_screen() -> Place:
+    """What stands in a corner behind the screen sees little of the room."""
+    return Place((CLEAN,), (box((1.6, 0.9, 0.0), (0.05, 1.2, 1.2)),))
+
+
+def test_a_capture_point_behind_furniture_moves_to_where_more_is_seen() -> None:
+    place = room_with_a_screen()
+    fit = choose(place, CLEAN, (2.4, 1.0, 0.0))
+    assert np.linalg.norm(np.subtract(fit.point_after, fit.point_before)) > 1.0
+    before, after = (
+        seen_share(cloud_of(nearness(place, np.array(point)), np.array(point)), CLEAN)
+        for point in (fit.point_before, fit.point_after)
+    )
+    assert after > before + 0.1
+    assert fit.found == 6 and wall_errors(CLEAN, fit.after).max() < HALF_MILLIMETRE
+    assert fit.capture_offset == pytest.approx(fit.point_after, abs=1e-4), "this box is at the origin, along the axes"
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_suggested_point_is_clear_of_everything(seed: int) -> None:
+    place, drawn = one_room(seed, 12)
+    random = np.random.default_rng(seed)
+    fit = choose(place, drawn, tuple(0.7 * drawn.half_extents * random.uniform(-1.0, 1.0, 3)))
+    point = np.array(fit.point_after)
+    assert (np.abs(place.room.coordinates(point[None])[0]) < place.room.half_widths).all()
+    assert 1.0 / nearness(place, point).max() > (0.25 if fit.point_after != fit.point_before else 0.0)
+
+
+def test_a_point_that_sees_enough_stays_to_the_last_bit() -> None:
+    fit = choose(furnished_along(), drawn_wrong(CLEAN, 1, turn=5.0))
+    assert fit.point_after == fit.point_before
+
+
+def test_from_a_cupboard_the_room_is_found_all_the_same() -> None:
+    cupboard = box((2.7, 0.0, -0.3), (0.3, 0.8, 1.0))
+    fit = choose(Place((CLEAN,), (cupboard,)), box((0.2, 0.0, 0.1), (3.3, 2.0, 1.4), 8.0), (2.5, 0.0, -0.3))
+    assert fit.found == 6 and wall_errors(CLEAN, fit.after).max() < HALF_MILLIMETRE
+    assert any("was in furniture" in line for line in fit.warnings)
+
+
+def test_what_follows_an_object_keeps_its_capture_point() -> None:
+    fit = choose(room_with_a_screen(), CLEAN, (0.1, 0.0, 0.0), followed=(2.4, 1.0, 0.0))
+    assert fit.point_after == fit.point_before == (2.5, 1.0, 0.0)
+
+
+def test_a_fit_is_told_in_words_and_for_machines() -> None:
+    fit = choose(Place((CLEAN,)), box((0.1, 0.0, 0.0), (3.3, 2.0, 1.4), 8.0))
+    assert headline(fit) == (
+        "box 6.600 × 4.000 × 2.800 m → 6.000 × 4.400 × 2.600 m, moved by 0.100 m, turned by 8.00°; 6 of 6 walls found"
+    )
+    said = "\n".join(lines(fit))
+    assert "misfit after: median 0.0000 m, 90 % within 0.000 m, 100% within 1 cm" in said and "wall -Y found" in said
+    assert "capture point (0.10, 0.00, 0.00) stays" in said
+    whole = json.loads(json.dumps(record(fit)))
+    assert whole["after"]["half_extents"] == pytest.approx([3.0, 2.2, 1.3]) and len(whole["walls"]) == 6
+    moved = {wall["name"]: wall["moved"] for wall in whole["walls"]}
+    assert moved["+X"] == pytest.approx(-0.4, abs=1e-3) and moved["-X"] == pytest.approx(-0.2, abs=1e-3)

@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from ..errors import PccError
+from ..errors import ProbeError
 from ..probe import Box
 from ..words import listed
 from .cloud import Cloud, cloud_of
@@ -76,12 +76,12 @@ def fit_room(probe: str, drawn: Box, nearness: np.ndarray, point: np.ndarray) ->
         point: (3,) world space, metres: from where.
 
     Raises:
-        PccError: nothing is seen at all.
+        ProbeError: nothing is seen at all.
     """
     cloud = cloud_of(nearness, point)
     if not cloud.seen.any():
         x, y, z = point
-        raise PccError(
+        raise ProbeError(
             f"probe '{probe}': nothing is seen from its capture point ({x:.2f}, {y:.2f}, {z:.2f}); move the probe into "
             "the room, or show the room in renders"
         )
