@@ -96,6 +96,15 @@ def furnished_along() -> Place:
     return furnished(CLEAN, 5, 6)
 
 
+@pytest.mark.parametrize("rough", [5e-4, 2e-3, 4e-3])
+def test_uneven_walls_are_found_where_they_are_in_the_mean(rough: float) -> None:
+    place, drawn = one_room(4, 6)
+    seen = nearness(place, place.room.centre)
+    bumps = np.random.default_rng(1).normal(0.0, rough, seen.shape)
+    found = fit_room("Probe", drawn, (1.0 / (1.0 / seen + bumps)).astype(np.float32), place.room.centre)
+    assert found.found == 6 and wall_errors(place.room, found.box).max() < 1e-3
+
+
 def test_skirtings_frames_and_rugs_are_no_walls() -> None:
     skirting = [box((0.0, end * 2.19, -1.2), (3.0, 0.01, 0.1)) for end in (-1.0, 1.0)]
     frames = [box((2.985, 0.0, 0.2), (0.015, 1.2, 0.7)), box((-2.98, 0.5, 0.0), (0.02, 0.8, 0.5))]

@@ -138,6 +138,22 @@ SUITES: dict[str, tuple[str, ...]] = {
     "core/accuracy/sampling.py": ("tests/core/test_unseen.py",),
     "core/accuracy/unseen.py": ("tests/core/test_unseen.py",),
     "core/accuracy/unseen_words.py": ("tests/core/test_unseen.py",),
+    **{
+        f"core/fit/{name}.py": ("tests/core/test_fit.py",)
+        for name in (
+            "capture_point",
+            "choice",
+            "cloud",
+            "frames",
+            "misfit",
+            "records",
+            "refine",
+            "report",
+            "room",
+            "walls",
+        )
+    },
+    "blender/fitting.py": ("tests/blender/test_fitting.py",),
     "core/content_hash.py": ("tests/core/test_content_hash.py",),
     "blender/read/materials.py": _MATERIALS,
     "blender/read/nodes.py": _MATERIALS,

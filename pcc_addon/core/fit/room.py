@@ -186,7 +186,12 @@ def _warnings(before: Fitted, after: Fitted) -> list[str]:
             "again"
         )
     elif before.is_lost or not after.holds(before.cloud.point):
-        said.append("the capture point was in furniture or outside of the room; the new one is not")
+        moved = not np.array_equal(before.cloud.point, after.cloud.point)
+        said.append(
+            "the capture point was in furniture or outside of the room; the new one is not"
+            if moved
+            else "the capture point sees little of the room: the box was found from elsewhere"
+        )
     for sort, why in ((True, "open"), (False, "out of reach or behind furniture")):
         names = [wall.name for wall in kept if (wall.open > 0.5) == sort]
         if names:

@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from .cloud import Cloud
+from .cloud import FAR, Cloud
 
 _ALONG = np.cos(np.radians(4.0))  # of a normal with its axis, that a wall may be there
 _COARSE, _FINE = 0.01, 0.001  # metres, of planes that are told apart, first and at last
@@ -19,7 +19,7 @@ _SHARP = 0.25  # how much of an uneven wall must lie on one plane for that to be
 _ON, _ON_SHARP, _ON_FAR = 0.02, 0.002, 0.1  # metres that count as on a plane, first and at last; so much more a metre
 _BAND = 0.15  # of a face's size: how wide its border is
 _CLOSED_BORDER, _CLOSED_WHOLE = 0.7, 0.5  # how much of a wall must end what passes nothing before it
-_CUPBOARD = 0.8  # metres: what lies so little behind a plane is a room behind furniture, not another room
+_CUPBOARD = 0.8  # metres: what lies so little behind a plane is room behind furniture, not another room
 _OTHER_ROOM = 0.5  # what counts of things farther behind: they may be seen through a door or a window
 _LEAST_BORDER = 0.03  # of a border must be free of furniture to tell anything
 _ROUNDS = 4
@@ -46,7 +46,7 @@ class Room:
 
 @dataclass(frozen=True, eq=False)
 class _View:
-    """A cloud along the axes of a room: (n, 3) ways, positions, normals; (n,) as the cloud has them."""
+    """A cloud along the axes of a room: what is (n, 3) is along these, what is (n,) as the cloud has it."""
 
     ways: np.ndarray
     positions: np.ndarray
@@ -205,7 +205,7 @@ def _judged(
     behind = reaches > place + thick
     counts = np.where(reaches <= place + _CUPBOARD, 1.0, _OTHER_ROOM)
     if axis == room.upright:  # no doors and windows there, but tables below eyes
-        counts = np.where(view.distances < 1e8, 1.0, _OTHER_ROOM)
+        counts = np.where(view.distances < FAR, 1.0, _OTHER_ROOM)
     counts = np.where(on, 1.0, np.where(behind, counts, 0.0))
 
     def closed(among: np.ndarray) -> float:
