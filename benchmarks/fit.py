@@ -26,6 +26,7 @@ from pcc_addon.core.fit.records import Fit
 from pcc_addon.core.fit.room import Fitted, fit_room
 from pcc_addon.core.probe import Box, ProbeSpec
 from sample_blends.scenes import EMISSIVE_ROOM, GALLERY, Room, add_room_probe, emissive_room, gallery
+from sample_blends.two_rooms import LOUNGE, two_rooms
 from tests.core.rooms import Place, about_z, box, drawn_wrong, furnished, nearness, wall_errors
 
 LIVING_ROOM = ROOT.parent / "shared" / "scenes" / "living_room.blend"
@@ -95,6 +96,8 @@ def scenes() -> list[Row]:
     rows.append(fitted("emissive room, empty, 10 × 8 × 4 m", as_box(EMISSIVE_ROOM)))
     gallery()
     rows.append(fitted("gallery, pictures and pedestals, 12 × 8 × 3.5 m", as_box(GALLERY)))
+    two_rooms(doorway=True)
+    rows.append(fitted("lounge, furnished, a doorway to the next room, 5 × 5 × 2.6 m", as_box(LOUNGE)))
     if LIVING_ROOM.is_file():
         with tempfile.TemporaryDirectory() as folder:
             path = shutil.copyfile(LIVING_ROOM, Path(folder) / "room.blend")

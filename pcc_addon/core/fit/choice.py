@@ -65,10 +65,11 @@ def _better(one: Fitted, other: Fitted) -> Fitted:
 def _settled(one: Fitted, other: Fitted) -> Fitted:
     """What is taken of a survey and of one from the point that it suggests: a box and a capture point, each of either.
 
-    The box of the second, which begins where the first ended, unless it finds fewer walls; the point of the first where
-    it is clear of furniture and the second does not really see notably more.
+    The box of the second, which sees more, unless it finds fewer walls; the point of the first where it is clear of
+    furniture and the second does not really see notably more, or is not clear itself.
     """
     box = other if not other.is_lost and other.found >= one.found else one
     seen = [seen_share(each.cloud, box.box) for each in (one, other)]
-    stays = not one.is_lost and is_clear(one.cloud, box.box) and seen[1] < seen[0] + NOTABLY
-    return replace(box, cloud=(one if stays or not is_clear(other.cloud, box.box) else other).cloud)
+    enough = is_clear(one.cloud, box.box) and seen[1] < seen[0] + NOTABLY
+    stays = not one.is_lost and (enough or not is_clear(other.cloud, box.box))
+    return replace(box, cloud=(one if stays else other).cloud)
