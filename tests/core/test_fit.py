@@ -14,6 +14,7 @@ from pcc_addon.core.errors import ProbeError
 from pcc_addon.core.fit.capture_point import seen_share
 from pcc_addon.core.fit.choice import chosen
 from pcc_addon.core.fit.cloud import FAR, cloud_of
+from pcc_addon.core.fit.frames import named_after
 from pcc_addon.core.fit.misfit import exits, misfit
 from pcc_addon.core.fit.records import Fit
 from pcc_addon.core.fit.report import headline, lines, record
@@ -318,3 +319,15 @@ def test_a_fit_is_told_in_words_and_for_machines() -> None:
     assert whole["after"]["half_extents"] == pytest.approx([3.0, 2.2, 1.3]) and len(whole["walls"]) == 6
     moved = {wall["name"]: wall["moved"] for wall in whole["walls"]}
     assert moved["+X"] == pytest.approx(-0.4, abs=1e-3) and moved["-X"] == pytest.approx(-0.2, abs=1e-3)
+
+
+def test_axes_are_named_whatever_they_are_turned_by() -> None:
+    random = np.random.default_rng(7)
+    for _ in range(200):
+        frame, start = (np.linalg.qr(random.normal(size=(3, 3)))[0] for _ in range(2))
+        named = named_after(frame, start)
+        assert 1 <= len(named) <= 2
+        for axes in named:
+            assert np.linalg.det(axes) * np.linalg.det(start) > 0.0
+            assert np.allclose(np.sort(np.abs(axes.T @ frame), axis=1), [0.0, 0.0, 1.0])
+    assert np.allclose(named_after(about_z(90.0 + 10.0), np.eye(3))[0], about_z(10.0))

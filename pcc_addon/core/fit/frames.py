@@ -70,10 +70,11 @@ def named_after(frame: np.ndarray, start: np.ndarray) -> list[np.ndarray]:
     scores = [sum(abs(likeness[order[k], k]) for k in range(3)) for order in orders]
     found = []
     for order, score in zip(orders, scores, strict=True):
-        signs = [1.0 if likeness[order[k], k] >= 0.0 else -1.0 for k in range(3)]
-        named = frame[:, list(order)] * signs
-        mirrored = np.linalg.det(named) * np.linalg.det(start) < 0.0
-        if score >= scores[0] - _UNSURE and not mirrored:
+        along = likeness[list(order), range(3)]
+        named = frame[:, list(order)] * np.where(along >= 0.0, 1.0, -1.0)
+        if np.linalg.det(named) * np.linalg.det(start) < 0.0:  # half way between: the least certain sign is the other
+            named[:, np.abs(along).argmin()] *= -1.0
+        if score >= scores[0] - _UNSURE:
             found.append(named)
     return found[:2]
 
