@@ -217,8 +217,8 @@ def main() -> None:
         )
         + "\n\nThe walls of all these rooms, by how much of each is covered as seen from the room's middle:\n\n"
         + table(["covered", "walls", "off by more than 5 mm"], by_cover)
-        + "\n\nA wall fails where next to nothing of it is seen; what stands before it is fitted to then, or the drawn "
-        "face stays."
+        + "\n\nMost walls that fail are hidden for nine tenths or more. What stands before such a wall is fitted to "
+        "then, which nothing tells, or the drawn face stays, which the report says: look at the box afterwards."
     )
     write_page("fit.md", "Fitting boxes to rooms", "python3 dev.py run benchmarks/fit.py", text)
 
