@@ -238,6 +238,7 @@ def _value(hint: Any, plain: Any) -> Any:
         if plain is None:
             return None
         (hint,) = (choice for choice in typing.get_args(hint) if choice is not NoneType)
+        return _value(hint, plain)
     if issubclass(hint, Enum):
         return hint(plain)
     if hint is float and type(plain) is int:

@@ -119,6 +119,8 @@ class CostReport:
         planned: frames that the artist is going to render; None: unknown.
         heat_map: file name in the results' folder of a picture that shows where the recommended probe errs; empty:
             none.
+        key: another where scene, probe, camera or what is asked is another; runs with the same one go on together.
+        afresh: the recommended rung, measured once more with another seed and a bake of its own; None: not done.
     """
 
     file: str
@@ -137,3 +139,5 @@ class CostReport:
     target: float | None = None
     planned: int | None = None
     heat_map: str = ""
+    key: str = ""
+    afresh: Measurement | None = None
