@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from ..core.errors import PccError
+from .cost_options import add_cost_options
 
 USAGE = 2
 _LONGEST_NAME = 240  # bytes of a file name that every system allows, with some left for the backup's
@@ -55,6 +56,7 @@ def parser(file_is_open: bool) -> argparse.ArgumentParser:
     bake.add_argument(
         "--allow-missing-textures", action="store_true", help="missing image files, baked in pink, are no failure"
     )
+    add_cost_options(sub("cost", "measure how good a probe is, what that costs in time, and what to set"))
     fit = sub("fit", "say how the probes' boxes fit the rooms around them, and make them fit")
     fit.add_argument("--probe", action="append", metavar="NAME", help="only this probe (may be repeated)")
     fit.add_argument(

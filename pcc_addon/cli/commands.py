@@ -25,7 +25,7 @@ from ..core.picture_files import picture_files
 from ..core.plan_report import lines, records
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Source
 from ..stopping import Stop
-from . import misfit
+from . import cost, misfit
 from .voice import Voice
 
 
@@ -228,6 +228,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace, Voice, Stop], int]] = {
     "remove": _remove,
     "plan": _plan,
     "status": _status,
+    "cost": cost.run,
     "misfit": misfit.run,
 }
 # What must have happened before a file is saved, by command; others save whatever they did.

@@ -1,0 +1,280 @@
+"""The open file as a bench to measure on: what its camera shows with probes, without, and with Blender's own probe.
+
+It changes the file as it likes; whoever uses it opens the file again afterwards, or throws it away.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+import bpy
+from mathutils import Matrix
+
+from ...core.accuracy.records import Kind, Settings
+from ...core.errors import PccError
+from ...core.frames import STILL
+from ...core.probe import Engine
+from ...core.sidecar import Sidecar
+from ..bake.job import BakeJob
+from ..overrides import override
+from ..read.holders import Holders
+from ..rendering import Frame, Renderer, RenderSettings
+from ..shade import injection
+from ..store import pictures
+from ..store.keeping import keep, linked, own_images
+from .samplers import fullest
+
+_SLOW = 1.0  # seconds of a frame, where none was rendered
+
+
+class _Shows(Enum):
+    """What materials show now."""
+
+    UNKNOWN = 0
+    THEMSELVES = 1
+    PROBES = 2
+
+
+@dataclass(frozen=True)
+class Size:
+    """Of the camera's picture, pixels."""
+
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class KeptBake:
+    """A bake of the probe.
+
+    Attributes:
+        folder: where its pictures are.
+        record: of it, as the probe keeps it.
+        seconds: it took.
+        megabytes: on disk, with the levels that materials asked for.
+    """
+
+    folder: Path
+    record: str
+    seconds: float
+    megabytes: float
+
+
+class Bench:
+    """Bakes a probe with any settings and renders the scene's camera.
+
+    Attributes:
+        size: of the pictures.
+        frames: numbers of the scene's frames that are measured.
+        last_bake: what was baked last.
+        quickest: seconds of the frame that took least.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        view_layer: bpy.types.ViewLayer,
+        probe: bpy.types.Object,
+        size: Size,
+        frames: tuple[int, ...],
+        folder: Path,
+    ) -> None:
+        """Make the file ready.
+
+        Args:
+            scene, view_layer: what is rendered.
+            probe: the one that is measured.
+            size, frames: as the attributes.
+            folder: an empty one, for bakes.
+        """
+        self.size, self.frames = size, frames
+        self.last_bake: KeptBake | None = None
+        self.quickest = _SLOW
+        self._scene, self._view_layer, self._probe, self._folder = scene, view_layer, probe, folder
+        self._shows, self._warm, self._made = _Shows.UNKNOWN, set[Engine](), 0
+        self._bakes: dict[tuple, KeptBake] = {}
+        self._loaded: tuple | None = None  # the key of the bake that the probe has
+        self._shown: tuple = ()  # the lookup that materials show
+        render = scene.render
+        render.use_compositing = render.use_sequencer = render.use_border = render.use_multiview = False
+        scene.cycles.use_animated_seed = False
+        for marker in scene.timeline_markers:
+            marker.camera = None  # the camera that is measured stays
+        self._camera = scene.camera
+
+    @property
+    def baked(self) -> frozenset[tuple]:
+        """The keys of the bakes that are there and need not be made again."""
+        return frozenset(self._bakes)
+
+    def bake(self, settings: Settings, seed: int) -> Iterator[str]:
+        """Bake the probe as a rung says and let materials show it; yields what is done next.
+
+        The bake that the iterator made is `last_bake`. Closing the iterator gives the bake up.
+
+        Raises:
+            PccError: the bake failed.
+            Cancelled: the user stopped a render.
+        """
+        self._made, self._shown = self._made + 1, ()
+        folder = self._folder / f"bake_{self._made}"
+        apply(self._probe, settings)
+        self.go_to(self.frames[0])
+        seconds = 0.0
+        with ExitStack() as stack:
+            override(stack, self._scene.cycles, "seed", seed)
+            job = BakeJob(self._scene, self._view_layer, [self._probe], folder, STILL)
+            stack.callback(job.cancel)
+            more = True
+            while more:
+                begin = time.perf_counter()
+                more = job.step()
+                seconds += time.perf_counter() - begin
+                yield job.message
+        fault = next((result.error for result in job.results if result.error), None)
+        if fault:
+            raise PccError(fault)
+        self._loaded = settings.bake_key
+        self._scene.pcc.folder = str(folder)  # where injecting puts levels that it finds missing
+        self.show(settings)
+        size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
+        self.last_bake = KeptBake(folder, self._probe.pcc_probe.bake_record, seconds, size)
+        self._bakes[settings.bake_key] = self.last_bake
+
+    def bake_of(self, settings: Settings) -> KeptBake:
+        """The bake that a rung shares with others."""
+        return self._bakes[settings.bake_key]
+
+    def show(self, settings: Settings) -> None:
+        """Let materials show what makes a rung's picture: the probes as they are baked, or themselves."""
+        if settings.kind is Kind.PROBE:
+            if self._loaded != settings.bake_key:
+                self._load(settings)
+            if self._shows is _Shows.PROBES and self._shown == _lookup(settings):
+                return
+            apply(self._probe, settings)
+            self._shown = _lookup(settings)
+            injection.inject(self._scene, self._view_layer)
+            self._become(_Shows.PROBES)
+            self._warm.discard(Engine.EEVEE)  # its shaders are compiled anew
+        elif self._shows is not _Shows.THEMSELVES:
+            injection.remove()
+            self._become(_Shows.THEMSELVES)
+
+    def samplers(self) -> int:
+        """Of the material with the most, as EEVEE counts them."""
+        return fullest()
+
+    def frame(self, settings: Settings, number: int, seed: int) -> Frame:
+        """Render a frame as a rung says; materials must show what it needs.
+
+        Raises:
+            BakeError: it cannot be rendered.
+            Cancelled: the user stopped the render.
+        """
+        self.go_to(number)
+        with ExitStack() as stack:
+            if settings.kind is Kind.SPHERE:
+                self._add_sphere(stack, settings)
+            override(stack, self._scene.cycles, "seed", seed)
+            override(stack, self._scene.cycles, "use_adaptive_sampling", False)
+            override(stack, self._scene.eevee, "use_raytracing", settings.ray_tracing)
+            renderer = Renderer(stack, self._scene, self._view_layer)
+            if settings.engine not in self._warm:
+                renderer.use(self._how(settings, 1))
+                renderer.picture(f"scene '{self._scene.name}'")
+                self._warm.add(settings.engine)
+            renderer.use(self._how(settings, settings.frame_samples))
+            taken = renderer.picture(f"scene '{self._scene.name}'")
+        self.quickest = min(self.quickest, taken.seconds)
+        return taken
+
+    def _load(self, settings: Settings) -> None:
+        """Give the probe the pictures of a bake that was made before."""
+        kept = self.bake_of(settings)
+        record, holders = Sidecar.from_json(kept.record, f"bake record of '{self._probe.name}'"), Holders()
+        with pictures.desk():
+            images = linked(kept.folder, record.levels, own_images(self._probe, holders), self._probe)
+            keep(self._probe, record, images, holders)
+        self._scene.pcc.folder = str(kept.folder)
+        self._loaded, self._shown = settings.bake_key, ()
+
+    def _how(self, settings: Settings, samples: int) -> RenderSettings:
+        return RenderSettings(settings.engine, samples, settings.frame_denoise, self.size.width, self.size.height)
+
+    def go_to(self, number: int) -> None:
+        """Show a frame of the scene."""
+        if self._scene.frame_current != number:
+            self._scene.frame_set(number)
+        self._scene.camera = self._camera
+
+    def _become(self, shows: _Shows) -> None:
+        if self._shows is not shows:
+            self._warm.discard(Engine.EEVEE)
+        self._shows = shows
+
+    def _add_sphere(self, stack: ExitStack, settings: Settings) -> None:
+        """Blender's own sphere probe in the box's middle, which its parallax box has to be around."""
+        data = bpy.data.lightprobes.new("PCC Sphere", type="SPHERE")
+        stack.callback(bpy.data.lightprobes.remove, data)
+        item = bpy.data.objects.new("PCC Sphere", data)
+        data.influence_type = data.parallax_type = "BOX"
+        data.use_custom_parallax = True
+        data.influence_distance = data.parallax_distance = 1.0
+        data.falloff = 0.0
+        item.matrix_world = self._probe.matrix_world @ Matrix.Diagonal((*[self._probe.empty_display_size] * 3, 1.0))
+        data.clip_start, data.clip_end = self._probe.pcc_probe.clip_start, self._probe.pcc_probe.clip_end
+        self._scene.collection.objects.link(item)
+        override(stack, self._scene.eevee, "gi_cubemap_resolution", str(settings.resolution))
+
+
+def _lookup(settings: Settings) -> tuple:
+    """What materials show beside the pictures."""
+    return (settings.bake_key, settings.correction, settings.steps, settings.refinements)
+
+
+def apply(probe: bpy.types.Object, settings: Settings) -> None:
+    """Write a rung of a probe into the probe's own settings; what this version has no property for stays."""
+    own = probe.pcc_probe
+    wanted = {
+        "correction": settings.correction,
+        "resolution": settings.resolution,
+        "samples": settings.bake_samples,
+        "denoise": settings.bake_denoise,
+        "half_float": settings.half_float,
+    }
+    if settings.correction == "RELIEF":
+        wanted |= {"relief_steps": settings.steps, "relief_refinements": settings.refinements}
+    for name, value in wanted.items():
+        if name in own.bl_rna.properties and getattr(own, name) != value:
+            setattr(own, name, value)
+
+
+def own_settings(probe: bpy.types.Object, engine: Engine, frame_samples: int) -> Settings:
+    """A probe as its user set it, as a rung."""
+    own = probe.pcc_probe
+    has = own.bl_rna.properties.keys()
+    relief = own.correction == "RELIEF"
+    return Settings(
+        kind=Kind.PROBE,
+        engine=engine,
+        correction=own.correction,
+        resolution=own.resolution,
+        bake_samples=own.samples,
+        bake_denoise=own.denoise,
+        half_float="half_float" in has and own.half_float,
+        steps=own.relief_steps if relief else 0,
+        refinements=own.relief_refinements if relief else 0,
+        frame_samples=frame_samples,
+    )
+
+
+def corrections() -> tuple[str, ...]:
+    """Those that this version's probes may have, the simplest first."""
+    items = bpy.types.Object.bl_rna.properties["pcc_probe"].fixed_type.properties["correction"].enum_items
+    return tuple(name for name in ("NONE", "BOX", "RELIEF") if name in items)
