@@ -10,6 +10,7 @@ def register() -> None:
     from .blender import handlers, properties
     from .ui import (
         by_hand,
+        cost,
         effects,
         fitting,
         interior,
@@ -35,6 +36,7 @@ def register() -> None:
         *by_hand.CLASSES,
         *panels.CLASSES,
         *effects.CLASSES,
+        *cost.CLASSES,
         *misfit.CLASSES,
     ):
         bpy.utils.register_class(cls)
@@ -55,6 +57,7 @@ def unregister() -> None:
     from .blender import handlers, properties
     from .ui import (
         by_hand,
+        cost,
         effects,
         fitting,
         interior,
@@ -88,6 +91,7 @@ def unregister() -> None:
             *by_hand.CLASSES,
             *panels.CLASSES,
             *effects.CLASSES,
+            *cost.CLASSES,
             *misfit.CLASSES,
         )
     ):

@@ -163,6 +163,9 @@ class PCC_PT_scene(bpy.types.Panel):
         column.operator("pcc.bake_frames", icon="RENDER_ANIMATION")
         column = layout.column(align=True)
         column.operator("pcc.plan", icon="PRESET")
+        row = column.row(align=True)
+        row.operator("pcc.cost", icon="DRIVER_DISTANCE").quick = False
+        row.operator("pcc.cost", text="Quick").quick = True
         column.operator("pcc.inject", icon="MATERIAL")
         column.operator("pcc.remove", icon="X")
         column = layout.column(align=True)

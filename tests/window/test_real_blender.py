@@ -27,3 +27,12 @@ def test_operators_work_in_the_background(folder: Path) -> None:
     script = "import bpy; bpy.ops.pcc.bake(scope='ALL'); bpy.ops.pcc.inject(); print('MATERIALS', bpy.ops.pcc.remove())"
     done = run("--background", "room.blend", "--python-expr", script, cwd=folder)
     assert "MATERIALS {'FINISHED'}" in done.stdout, done.stdout + done.stderr
+
+
+def test_accuracy_is_measured_by_a_second_blender(folder: Path) -> None:
+    script = "import bpy; print('COST', bpy.ops.pcc.cost(width=64, budget=40))"
+    done = run("--background", "room.blend", "--python-expr", script, cwd=folder)
+    assert "COST {'FINISHED'}" in done.stdout, done.stdout + done.stderr
+    report = json.loads((folder / "room.cost" / "cost.json").read_text(encoding="utf-8"))["report"]
+    assert report["file"] == "room.blend" and report["measurements"]
+    assert not [path for path in folder.iterdir() if "unfinished" in path.name]
