@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import bpy
 
-from ..blender.accuracy.misfit_job import MisfitJob, ProbeMisfit
+from ..blender.accuracy.misfit_job import MisfitJob
 from ..blender.read.probes import all_probes
-from ..core.errors import Cancelled, PccError
 from . import last_misfit
+from .running import RunsJob
 from .sentences import say
 
 
-class PCC_OT_misfit(bpy.types.Operator):
+class PCC_OT_misfit(RunsJob, bpy.types.Operator):
     """Measure how far the boxes of selected probes are from what these see, and what they do not see. Esc cancels"""
 
     bl_idname = "pcc.misfit"
     bl_label = "Check Fit"
-
     _job: MisfitJob | None = None
-    _timer: bpy.types.Timer | None = None
+    _when_cancelled = "Cancelled; what was known of the probes before is kept"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -29,62 +26,20 @@ class PCC_OT_misfit(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def _start(self, context: bpy.types.Context) -> set[str]:
         self._job = MisfitJob(context.scene, context.view_layer, _chosen(context))
-        try:
-            results = self._job.run()
-        except Cancelled as error:
-            self.report({"WARNING"}, str(error))
-            return {"CANCELLED"}
-        return self._report(context, results)
+        return set()
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if bpy.app.background:
-            return self.execute(context)
-        self._job = MisfitJob(context.scene, context.view_layer, _chosen(context))
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(0.01, window=context.window)
-        manager.progress_begin(0.0, 1.0)
-        context.window.cursor_modal_set("WAIT")
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+    def _stopped(self) -> set[str]:
+        return {"CANCELLED"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type == "ESC":
-            self._job.cancel()
-            self._finish(context)
-            self.report({"WARNING"}, "Cancelled; what was known of the probes before is kept")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}  # nothing may be edited while the scene is set up for the survey
-        try:
-            more = self._job.step()
-        except Exception as error:
-            self._finish(context)
-            if not isinstance(error, PccError):
-                raise
-            self.report({"WARNING" if isinstance(error, Cancelled) else "ERROR"}, str(error))
-            return {"CANCELLED"}
-        context.window_manager.progress_update(self._job.progress)
-        context.workspace.status_text_set(f"{self._job.progress:.0%}  {self._job.message}  (Esc: cancel)")
-        if more:
-            return {"RUNNING_MODAL"}
-        self._finish(context)
-        return self._report(context, self._job.results)
-
-    def _finish(self, context: bpy.types.Context) -> None:
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
-
-    def _report(self, context: bpy.types.Context, results: Sequence[ProbeMisfit]) -> set[str]:
-        done = [result for result in results if result.error is None]
+    def _report(self, context: bpy.types.Context) -> set[str]:
+        done = [result for result in self._job.results if result.error is None]
         for result in done:
             last_misfit.keep(context.scene, context.view_layer, result)
             for line in result.lines:
                 self.report({"INFO"}, f"probe '{result.probe}': {line}")
-        failed = [result.error for result in results if result.error is not None]
+        failed = [result.error for result in self._job.results if result.error is not None]
         if failed:
             self.report({"ERROR"}, "; ".join(failed))
         return {"FINISHED"} if done else {"CANCELLED"}
