@@ -67,7 +67,8 @@ def test_shaders_made_by_hand_use_each_output_of_the_probes_group(addon) -> None
 
 
 def test_the_gallery_shows_every_system_and_has_its_strips() -> None:
-    lines = (ROOT / "docs" / "systems.md").read_text(encoding="utf-8").splitlines()
+    whole = (ROOT / "docs" / "systems.md").read_text(encoding="utf-8")
+    lines = whole.partition("## Beyond the technique")[0].splitlines()
     titles = [line.split("|")[1].strip() for line in lines if line.startswith("| ")][2:]
     assert titles == [system.title for system in SYSTEMS]
     strips = {path.stem: path.stat().st_size for path in (ROOT / "docs" / "images" / "gallery").glob("*.png")}
