@@ -73,3 +73,9 @@ def test_the_ladder_has_each_rung_once_and_relief_only_where_it_can_be_set() -> 
 def test_path_tracing_is_measured_raw_and_denoised_at_all_samples() -> None:
     path = [rung for rung in ladder(Engine.CYCLES, ("BOX",), halves=False) if rung.kind is Kind.PATH]
     assert {(rung.frame_samples, rung.frame_denoise) for rung in path} == {(n, d) for n in SAMPLES for d in (0, 1)}
+
+
+def test_a_first_frame_of_eevee_is_thought_as_slow_as_its_slowest() -> None:
+    path = Settings(Kind.PATH, Engine.EEVEE, "NONE", frame_samples=4)
+    sphere = Settings(Kind.SPHERE, Engine.EEVEE, resolution=128, frame_samples=4)
+    assert foresight(measured(path, 0.0, 5.0)).seconds(sphere, ()) >= 2 * 5.0  # shaders are compiled in a frame before

@@ -281,7 +281,10 @@ class CostJob:
         if best is None:
             self.notes.append("there was no time to measure anything; give more seconds with --budget")
             return
-        if self.report.afresh is not None or self._foresight().seconds(best.settings, ()) > max(self._left, 0.0):
+        if self.report.afresh is not None:
+            return
+        if self._foresight().seconds(best.settings, ()) > max(self._left, 0.0):
+            self.notes.append("there was no time to measure the best once more; give more seconds with --budget")
             return
         if best.settings.kind is Kind.PROBE:
             with closing(self._bench.bake(best.settings, _SEED_AFRESH)) as bake:

@@ -12,7 +12,7 @@ from .times import Times
 
 LONG = 3.0  # seconds from which on a frame is rendered once
 _MARGIN = 1.25  # by which a guess may be too low
-_COMPILING, _CHANGING = 2.0, 0.5  # seconds: of EEVEE's shaders; of letting materials show something else
+_COMPILING, _CHANGING = 2.0, 0.5  # seconds: of EEVEE's shaders, at least; of letting materials show something else
 _RENDERS = 3  # of a short frame: its seconds are the median
 
 
@@ -47,12 +47,17 @@ class Foresight:
             baked: the keys of bakes that are there and need not be made again.
         """
         traced = self.pixels * settings.frame_samples * self.per_sample
-        frame = _guessed(
-            self._times.frame(settings), traced if settings.engine is Engine.CYCLES else 0.0, self.around_frame
-        )
+        traced = traced if settings.engine is Engine.CYCLES else 0.0
+        frame = _guessed(self._times.frame(settings), traced, self._around_frame(settings.engine))
         bake = 0.0 if settings.kind is not Kind.PROBE or settings.bake_key in baked else self._bake(settings)
-        compiling = _COMPILING if settings.engine is Engine.EEVEE else 0.0
+        compiling = max(_COMPILING, frame) if settings.engine is Engine.EEVEE else 0.0
         return _MARGIN * (bake + frame * renders(frame, self.frames) + compiling + _CHANGING)
+
+    def _around_frame(self, engine: Engine) -> float:
+        """Seconds of a frame unlike all that were measured: in EEVEE samples are the smaller part of it."""
+        if engine is Engine.CYCLES:
+            return self.around_frame
+        return max([self.around_frame, *(m.frame_seconds for m in self.known if m.settings.engine is engine)])
 
     def _bake(self, settings: Settings) -> float:
         traced = 6.0 * settings.resolution**2 * settings.bake_samples * self.per_sample
