@@ -95,6 +95,14 @@ class FitJob:
         self._stack.close()
         self.message = "Cancelled"
 
+    def steps(self) -> Iterator[str]:
+        """All steps, with what is done next after each; closing it cancels. Raises as `step` does."""
+        try:
+            while self.step():
+                yield self.message
+        finally:
+            self.cancel()
+
     def run(self) -> list[FittedProbe]:
         """All steps at once."""
         while self.step():

@@ -92,6 +92,16 @@ class PCC_Probe(bpy.types.PropertyGroup):
         ],
     )
     denoise: bpy.props.BoolProperty(name="Denoise", description="Denoise the faces of a Cycles bake", default=True)
+    adaptive: bpy.props.FloatProperty(
+        name="Noise Threshold",
+        description="Cycles stops sampling a pixel once its noise is below this, so that it spends its samples where "
+        "they are needed; 0: all samples everywhere",
+        min=0.0,
+        max=1.0,
+        soft_max=0.1,
+        step=1,
+        precision=3,
+    )
     capture_offset: bpy.props.FloatVectorProperty(
         name="Capture Offset",
         description="Where the pictures are taken, from the box's centre, or from the object that the probe follows, "

@@ -29,6 +29,7 @@ class RenderSettings:
         samples: for each pixel, in either engine.
         denoise: whether Cycles removes noise.
         width, height: of the picture in pixels; with one of them the scene's percentage of its size is 100.
+        adaptive: the noise at which Cycles stops sampling a pixel; 0: it takes all samples everywhere.
     """
 
     engine: Engine | None = None
@@ -36,6 +37,7 @@ class RenderSettings:
     denoise: bool | None = None
     width: int | None = None
     height: int | None = None
+    adaptive: float | None = None
 
 
 AS_IS = RenderSettings()
@@ -78,6 +80,9 @@ class Renderer:
             changes.append((render, "engine", compat.engine_id(settings.engine)))
         changes += [(scene.cycles, "samples", settings.samples), (scene.eevee, "taa_render_samples", settings.samples)]
         changes.append((scene.cycles, "use_denoising", settings.denoise))
+        if settings.adaptive is not None:
+            changes.append((scene.cycles, "use_adaptive_sampling", settings.adaptive > 0.0))
+            changes.append((scene.cycles, "adaptive_threshold", settings.adaptive or None))
         for owner, name, value in changes:
             if value is not None:
                 override(self._stack, owner, name, value)

@@ -136,7 +136,7 @@ def _tell_afresh(report: CostReport, voice: Voice) -> None:
 
 
 def _apply(report: CostReport, found: Advice, voice: Voice) -> None:
-    probe = applying.apply_to(bpy.context.scene, report, found)
+    probe = applying.apply_to(bpy.context.scene, bpy.context.view_layer, report, found)
     settings = report.measurements[found.recommended].settings
     text = f"probe '{probe.name}' is set to {labels.of_bake(settings)}; bake it to see it"
     voice.event("applied", text, probe=probe.name, settings=asdict(settings), advice=probe.pcc_probe.advice)

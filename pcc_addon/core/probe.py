@@ -147,6 +147,7 @@ class ProbeSpec:
         samples: per pixel.
         engine: which renderer takes the pictures.
         denoise: whether Cycles pictures are denoised.
+        adaptive: the noise at which Cycles stops sampling a pixel; 0: it takes all samples everywhere.
         clip_start, clip_end: near and far plane of the capture's cameras, metres.
         padding: how far outside the box a surface still counts as inside, metres.
         falloff: over which distance beyond that the reflection fades, metres.
@@ -182,6 +183,7 @@ class ProbeSpec:
     relief_steps: int = 12
     relief_refinements: int = 4
     half_float: bool = False
+    adaptive: float = 0.0
     hidden: tuple[str, ...] = field(default=())
     animated: bool = False
     source: Source = Source.BAKE
@@ -199,6 +201,8 @@ class ProbeSpec:
             )
         if self.samples < 1:
             raise ProbeError(f"probe '{self.name}': {self.samples} samples; take at least 1")
+        if not 0.0 <= self.adaptive <= 1.0:
+            raise ProbeError(f"probe '{self.name}': noise threshold {self.adaptive:g} is not between 0 and 1")
         if not 0.0 < self.clip_start < self.clip_end:
             raise ProbeError(
                 f"probe '{self.name}': clip start {self.clip_start:g} m must be above 0 and below "

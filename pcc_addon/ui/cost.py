@@ -152,7 +152,7 @@ class PCC_OT_cost(bpy.types.Operator):
         self.report({"INFO"}, f"Results are in {self._job.folder}")
         if self.apply and found.recommended is not None:
             try:
-                apply_to(context.scene, report, found)
+                apply_to(context.scene, context.view_layer, report, found)
             except PccError as error:
                 self.report({"ERROR"}, str(error))
                 return {"CANCELLED"}

@@ -42,6 +42,7 @@ class PCC_PT_probe(bpy.types.Panel):
         if settings.source != "IMAGE":
             column.prop(settings, "samples")
             if settings.engine == "CYCLES":
+                column.prop(settings, "adaptive")
                 column.prop(settings, "denoise")
         if settings.source == "BAKE":
             layout.prop(settings, "follow")

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from pcc_addon.blender.bake import capture
+from pcc_addon.blender.rendering import Renderer
+from pcc_addon.blender.status import statuses
 from sample_blends.scenes import Room, add_wall, principled
-from tests.blender.helpers import bake, glow, picture, small_probe
+from tests.blender.helpers import bake, glow, picture, small_probe, small_room
 
 ROOM = Room((2.0, 1.5, 1.0), (3.0, -2.0, 1.0), 0.0)
 ABSENT = np.zeros((0, 0, 3))  # where there is no picture at all
@@ -173,3 +175,27 @@ def test_a_capture_that_obeyed_would_differ(
     [result] = bake(probe)
     after = ABSENT if result.error else picture(probe)
     assert after.shape != before.shape or np.abs(after - before).max() > 1e-3
+
+
+def test_adaptive_sampling_is_a_setting_of_the_probe(scene, monkeypatch) -> None:
+    """It is on with its threshold while faces are rendered, and off for distances and where it is not set."""
+    probe = small_room()
+    probe.pcc_probe.correction = "RELIEF"
+    seen, once = [], Renderer._render
+
+    def noting(self: Renderer, what: str, **options: bool) -> None:
+        cycles = bpy.context.scene.cycles
+        seen.append((cycles.use_adaptive_sampling, round(cycles.adaptive_threshold, 6)))
+        once(self, what, **options)
+
+    monkeypatch.setattr(Renderer, "_render", noting)
+    before = scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold
+    bake(probe)
+    assert {on for on, _ in seen} == {False}
+    fresh = statuses(scene, bpy.context.view_layer)[0].state
+    seen.clear()
+    probe.pcc_probe.adaptive = 0.05
+    assert (fresh, statuses(scene, bpy.context.view_layer)[0].state) == ("baked", "stale")
+    bake(probe)
+    assert (True, 0.05) in seen and False in {on for on, _ in seen}
+    assert (scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold) == before

@@ -24,6 +24,7 @@ from pcc_addon.core.accuracy.advice import advice
 from pcc_addon.core.accuracy.records import CostReport, Kind, Settings
 from pcc_addon.core.errors import Cancelled, PccError
 from pcc_addon.core.probe import Engine
+from sample_blends.scenes import EMISSIVE_ROOM
 from tests.blender.cost_scenes import HEIGHT, WIDTH, room_file
 from tests.rna_dump import difference, dump
 
@@ -79,6 +80,37 @@ def of(report: CostReport, kind: Kind, correction: str = "NONE") -> list[float]:
     """The errors of some rungs, without that of the probe as it was set: 16 pixels wide."""
     found = [m for m in report.measurements if (m.settings.kind, m.settings.correction) == (kind, correction)]
     return [m.rmse for m in found if m.settings.resolution != 16]
+
+
+def test_a_box_that_does_not_fit_is_measured_as_a_fit_would_have_it(scene, tmp_path: Path, monkeypatch) -> None:
+    """The box is drawn a tenth too large: the fit is what is recommended, and applying it gives the room's box."""
+    blend = room_file(tmp_path)
+    probe = bpy.data.objects["Room"]
+    probe.scale *= 1.1
+    bpy.ops.wm.save_mainfile()
+    asked_for = []
+
+    def short(*_: object, fits: bool, **__: object) -> tuple[Settings, ...]:
+        asked_for.append(fits)
+        return (RUNGS[0], _BOX, replace(_BOX, fitted=True))
+
+    monkeypatch.setattr(job, "ladder", short)
+    shell(blend, "--apply")
+    assert set(asked_for) == {True}
+    report = files.read(blend.with_suffix(".cost"))
+    drawn, fitted = (
+        next(m for m in report.measurements if m.settings == replace(_BOX, fitted=f)) for f in (False, True)
+    )
+    assert fitted.rmse < 0.5 * drawn.rmse
+    assert np.allclose(bpy.data.objects["Room"].scale, EMISSIVE_ROOM.half_extents, rtol=1e-4)
+
+
+def test_a_box_that_fits_is_not_fitted(scene, tmp_path: Path, monkeypatch) -> None:
+    asked_for = []
+    monkeypatch.setattr(job, "ladder", lambda *_, fits, **__: asked_for.append(fits) or RUNGS[:1])
+    with pytest.raises(PccError):
+        shell(room_file(tmp_path))
+    assert set(asked_for) == {False}
 
 
 def test_a_run_says_what_is_true_of_the_room_and_leaves_the_file_alone(scene: bpy.types.Scene, tmp_path: Path) -> None:

@@ -8,6 +8,8 @@ import bpy
 
 from ...core.accuracy.advice import Advice, Winner
 from ...core.accuracy.records import CostReport
+from ...core.errors import PccError
+from ..fitting import FitJob, apply_fit
 from ..read.probes import named_probes
 from .bench import apply
 
@@ -17,20 +19,32 @@ def results_folder(blend: Path) -> Path:
     return blend.with_suffix(".cost")
 
 
-def apply_to(scene: bpy.types.Scene, report: CostReport, found: Advice) -> bpy.types.Object:
+def _fit(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, probe: bpy.types.Object) -> None:
+    [result] = FitJob(scene, view_layer, [probe]).run()
+    if result.fit is None:
+        raise PccError(result.error)
+    apply_fit(probe, result.fit, view_layer)
+
+
+def apply_to(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, report: CostReport, found: Advice
+) -> bpy.types.Object:
     """Write the recommended settings into the probe that was measured; its bake is out of date then.
 
     Where path tracing wins the probe remembers why, and the plan says so.
 
     Args:
-        scene: that has the probe.
+        scene, view_layer: that have the probe.
         report: what was measured.
         found: what follows from it; something is recommended.
 
     Raises:
-        PccError: there is no such probe any more.
+        PccError: there is no such probe any more, or it cannot be fitted.
     """
     (probe,) = named_probes(scene, [report.probe])
-    apply(probe, report.measurements[found.recommended].settings)
+    settings = report.measurements[found.recommended].settings
+    apply(probe, settings)
+    if settings.fitted:
+        _fit(scene, view_layer, probe)
     probe.pcc_probe.advice = found.sentences[0] if found.winner is Winner.PATH else ""
     return probe

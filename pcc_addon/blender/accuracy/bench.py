@@ -7,20 +7,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
 import bpy
+import numpy as np
 from mathutils import Matrix
 
 from ...core.accuracy.records import Kind, Settings
 from ...core.errors import PccError
+from ...core.fit.records import Fit
 from ...core.frames import STILL
 from ...core.probe import Engine
 from ...core.sidecar import Sidecar
 from ..bake.job import BakeJob
+from ..fitting import FitJob, apply_fit
 from ..overrides import override
 from ..read.holders import Holders
 from ..rendering import Frame, Renderer, RenderSettings
@@ -65,6 +68,35 @@ class KeptBake:
     megabytes: float
 
 
+_WORTH_A_FIT = 0.0002  # of a half extent, in the box or where it is captured from
+
+
+def differs(fit: Fit) -> bool:
+    """Whether a fit found walls and is another box, or another capture point, than there was."""
+    most = _WORTH_A_FIT * float(fit.before.half_extents.min())
+    box = np.abs(np.array(fit.after.matrix) - np.array(fit.before.matrix)).max()
+    point = np.abs(np.subtract(fit.point_after, fit.point_before)).max()
+    return fit.found > 0 and max(float(box), float(point)) > most
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """Where a probe was, as its user drew it."""
+
+    basis: Matrix
+    capture_offset: tuple[float, float, float]
+
+    @classmethod
+    def of(cls, probe: bpy.types.Object) -> _Drawn:
+        return cls(probe.matrix_basis.copy(), tuple(probe.pcc_probe.capture_offset))
+
+    def restore(self, probe: bpy.types.Object) -> None:
+        if probe.matrix_basis != self.basis:
+            probe.matrix_basis = self.basis
+        if tuple(probe.pcc_probe.capture_offset) != self.capture_offset:
+            probe.pcc_probe.capture_offset = self.capture_offset
+
+
 class Bench:
     """Bakes a probe with any settings and renders the scene's camera.
 
@@ -73,6 +105,7 @@ class Bench:
         frames: numbers of the scene's frames that are measured.
         last_bake: what was baked last.
         quickest: seconds of the frame that took least.
+        fit: the box and the capture point of rungs that are fitted; None: nothing fits better than the probe's own.
     """
 
     def __init__(
@@ -98,6 +131,8 @@ class Bench:
         self._scene, self._view_layer, self._probe, self._folder = scene, view_layer, probe, folder
         self._shows, self._warm, self._made = _Shows.UNKNOWN, set[Engine](), 0
         self._bakes: dict[tuple, KeptBake] = {}
+        self._drawn = _Drawn.of(probe)
+        self.fit: Fit | None = None
         self._loaded: tuple | None = None  # the key of the bake that the probe has
         self._shown: tuple = ()  # the lookup that materials show
         render = scene.render
@@ -123,7 +158,7 @@ class Bench:
         """
         self._made, self._shown = self._made + 1, ()
         folder = self._folder / f"bake_{self._made}"
-        apply(self._probe, settings)
+        self._apply(settings)
         self.go_to(self.frames[0])
         seconds = 0.0
         with ExitStack() as stack:
@@ -152,12 +187,15 @@ class Bench:
 
     def show(self, settings: Settings) -> None:
         """Let materials show what makes a rung's picture: the probes as they are baked, or themselves."""
+        if settings.kind is not Kind.PROBE:
+            self._drawn.restore(self._probe)
+            self._view_layer.update()
         if settings.kind is Kind.PROBE:
             if self._loaded != settings.bake_key:
                 self._load(settings)
             if self._shows is _Shows.PROBES and self._shown == _lookup(settings):
                 return
-            apply(self._probe, settings)
+            self._apply(settings)
             self._shown = _lookup(settings)
             injection.inject(self._scene, self._view_layer)
             self._become(_Shows.PROBES)
@@ -165,6 +203,22 @@ class Bench:
         elif self._shows is not _Shows.THEMSELVES:
             injection.remove()
             self._become(_Shows.THEMSELVES)
+
+    def find_fit(self) -> Iterator[str]:
+        """See whether another box fits the room better; yields what is done next."""
+        job = FitJob(self._scene, self._view_layer, [self._probe])
+        with closing(job.steps()) as steps:
+            yield from steps
+        found = next((result.fit for result in job.results if result.fit), None)
+        self.fit = found if found is not None and differs(found) else None
+
+    def _apply(self, settings: Settings) -> None:
+        """Write a rung into the probe, and give it the box of the fit or its own."""
+        apply(self._probe, settings)
+        self._drawn.restore(self._probe)
+        if settings.fitted:
+            apply_fit(self._probe, self.fit, self._view_layer)
+        self._view_layer.update()
 
     def samplers(self) -> int:
         """Of the material with the most, as EEVEE counts them."""
@@ -247,6 +301,7 @@ def apply(probe: bpy.types.Object, settings: Settings) -> None:
         "samples": settings.bake_samples,
         "denoise": settings.bake_denoise,
         "half_float": settings.half_float,
+        "adaptive": settings.bake_adaptive,
     }
     if settings.correction == "RELIEF":
         wanted |= {"relief_steps": settings.steps, "relief_refinements": settings.refinements}
@@ -271,6 +326,7 @@ def own_settings(probe: bpy.types.Object, engine: Engine, frame_samples: int) ->
         steps=own.relief_steps if relief else 0,
         refinements=own.relief_refinements if relief else 0,
         frame_samples=frame_samples,
+        bake_adaptive=round(own.adaptive, 6),
     )
 
 

@@ -135,6 +135,7 @@ class CostJob:
         self._scene.camera = subject.camera
         bakes = self._stack.enter_context(temporary_folder(WORKPLACE))
         self._bench = Bench(self._scene, self._view_layer, subject.probe, subject.size, subject.frames, bakes)
+        yield from self._bench.find_fit()
         yield from self._find_served(own)
         yield from self._find_truth()
         yield from self._climb(own)
@@ -212,7 +213,8 @@ class CostJob:
     def _climb(self, own: Settings) -> Iterator[str]:
         """Measure rung after rung, as long as there is time for one and for measuring the best once more."""
         halves = "half_float" in self._subject.probe.pcc_probe.bl_rna.properties
-        rungs = (*ladder(self._subject.engine, corrections(), halves=halves), own)
+        fits = self._bench.fit is not None
+        rungs = (*ladder(self._subject.engine, corrections(), halves=halves, fits=fits), own)
         while (rung := self._next(rungs)) is not None:
             yield from self._measured(rung, _SEED)
 

@@ -48,7 +48,8 @@ def run_key(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, subject: Su
 
 def _at_its_default(spec: ProbeSpec) -> ProbeSpec:
     """A probe with what is measured at many values as in a new one."""
-    return replace(spec, resolution=ProbeSpec.resolution, samples=ProbeSpec.samples, denoise=ProbeSpec.denoise)
+    new = ProbeSpec
+    return replace(spec, resolution=new.resolution, samples=new.samples, denoise=new.denoise, adaptive=new.adaptive)
 
 
 def _plain(influence: Influence) -> list[tuple[str, object]]:

@@ -107,7 +107,7 @@ class Stage:
 
     def glimpse(self, probe: ProbeSpec, index: int) -> np.ndarray:
         """A face by Cycles of one sample for each pixel, without the denoiser that would hide its faults."""
-        return self._face(probe, index, replace(_settings(probe), samples=1, denoise=False))
+        return self._face(probe, index, replace(_settings(probe), samples=1, denoise=False, adaptive=0.0))
 
     @contextmanager
     def survey(self) -> Iterator[None]:
@@ -132,7 +132,7 @@ class Stage:
             Cancelled, BakeError: as `face`.
         """
         size = _size(probe)
-        return self._face(probe, index, RenderSettings(Engine.CYCLES, 1, False, size, size))
+        return self._face(probe, index, RenderSettings(Engine.CYCLES, 1, False, size, size, 0.0))
 
     def _face(self, probe: ProbeSpec, index: int, settings: RenderSettings) -> np.ndarray:
         self._renderer.use(settings)
@@ -233,7 +233,7 @@ def _size(probe: ProbeSpec) -> int:
 
 
 def _settings(probe: ProbeSpec) -> RenderSettings:
-    return RenderSettings(probe.engine, probe.samples, probe.denoise, _size(probe), _size(probe))
+    return RenderSettings(probe.engine, probe.samples, probe.denoise, _size(probe), _size(probe), probe.adaptive)
 
 
 def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
@@ -262,7 +262,6 @@ def _set_engines(stack: ExitStack, scene: bpy.types.Scene) -> None:
     override(stack, scene.eevee, "use_overscan", False)
     for name, value in (
         ("time_limit", 0.0),
-        ("use_adaptive_sampling", False),
         ("film_exposure", 1.0),
         ("pixel_filter_type", "BOX"),
         ("film_transparent_glass", False),

@@ -20,10 +20,11 @@ def of_bake(settings: Settings) -> str:
     name = CORRECTIONS.get(settings.correction, settings.correction.lower())
     if settings.correction == "RELIEF":
         name += f" ({settings.steps} steps, {settings.refinements} refinements)"
+    fitted = ", box fitted" if settings.fitted else ""
+    adaptive = f", adaptive to {settings.bake_adaptive:g}" if settings.bake_adaptive else ""
     precision = ", half float" if settings.half_float else ""
-    return (
-        f"{name}, {settings.resolution} px faces, {_samples(settings.bake_samples, settings.bake_denoise)}{precision}"
-    )
+    samples = _samples(settings.bake_samples, settings.bake_denoise)
+    return f"{name}{fitted}, {settings.resolution} px faces, {samples}{adaptive}{precision}"
 
 
 def of_frame(settings: Settings) -> str:

@@ -12,18 +12,22 @@ from .records import Kind, Settings
 RESOLUTIONS = (128, 256, 512, 1024, 2048)
 SAMPLES = (4, 16, 64, 256, 1024)
 SPHERE_RESOLUTIONS = (128, 256, 512, 1024, 2048)  # those that EEVEE has
+_ADAPTIVE = 0.02
 _MARCHES = ((8, 3), (12, 4), (24, 6))  # steps and refinements of relief
 
 
-def ladder(engine: Engine, corrections: Sequence[str], *, halves: bool) -> tuple[Settings, ...]:
+def ladder(engine: Engine, corrections: Sequence[str], *, halves: bool, fits: bool = False) -> tuple[Settings, ...]:
     """Every rung that this version can set.
 
     Args:
         engine: whose frames are measured.
         corrections: those that probes may have, the simplest first.
         halves: whether pictures may be kept in half precision.
+        fits: whether the box that fits the room is another one than the probe's own.
     """
-    return (*_of_path(engine), *_of_probe(engine, corrections, halves), *_of_sphere(engine))
+    own = tuple(_of_probe(engine, corrections, halves))
+    fitted = (replace(rung, fitted=True) for rung in own if rung.correction != "NONE") if fits else ()
+    return (*_of_path(engine), *own, *fitted, *_of_sphere(engine))
 
 
 def _looks(engine: Engine) -> list[tuple[int, bool, bool]]:
@@ -48,15 +52,16 @@ def _of_probe(engine: Engine, corrections: Sequence[str], halves: bool) -> Itera
         marches = _MARCHES if name == "RELIEF" else ((0, 0),)
         for look in _looks(engine):
             plain = look[1:] == (False, False)
-            precise = [(True, False)]  # denoised, half float
+            precise = [(True, False, 0.0)]  # denoised, half float, adaptive sampling
             if name == corrections[-1] and plain:
-                precise += [(False, False), *([(True, True)] if halves else [])]
+                precise += [(False, False, 0.0), (True, False, _ADAPTIVE), *([(True, True, 0.0)] if halves else [])]
             if name == "NONE" and not plain:
                 continue
-            for size, samples, (denoise, half), (steps, refinements) in product(RESOLUTIONS, SAMPLES, precise, marches):
+            choices = product(RESOLUTIONS, SAMPLES, precise, marches)
+            for size, samples, (denoise, half, adaptive), (steps, refinements) in choices:
                 yield replace(
                     _shown(engine, name, look), resolution=size, bake_samples=samples, bake_denoise=denoise,
-                    half_float=half, steps=steps, refinements=refinements,
+                    half_float=half, bake_adaptive=adaptive, steps=steps, refinements=refinements,
                 )  # fmt: skip
 
 

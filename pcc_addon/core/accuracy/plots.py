@@ -170,10 +170,9 @@ def _short(settings: dict[str, Any]) -> str:
         return f"sphere probe {settings['resolution']} px, frame {frame}"
     bake = f"{settings['bake_samples']}{' denoised' if settings['bake_denoise'] else ''}"
     relief = f" {settings['steps']}+{settings['refinements']}" if settings["correction"] == "RELIEF" else ""
-    half = ", half" if settings["half_float"] else ""
-    return (
-        f"{_LABELS.get(settings['correction'], '?')}{relief} {settings['resolution']} px × {bake}{half}, frame {frame}"
-    )
+    more = ", half" * settings["half_float"] + ", adaptive" * bool(settings.get("bake_adaptive"))
+    name = _LABELS.get(settings["correction"], "?") + " fitted" * bool(settings.get("fitted"))
+    return f"{name}{relief} {settings['resolution']} px × {bake}{more}, frame {frame}"
 
 
 def _ink() -> str:

@@ -32,6 +32,8 @@ class Settings:
         frame_samples: per pixel of the camera's picture.
         frame_denoise: whether it is denoised.
         ray_tracing: whether EEVEE traces its own rays.
+        bake_adaptive: the noise at which a face's pixel is sampled no more; 0: all samples everywhere.
+        fitted: whether box and capture point are those that a fit to the room gives, instead of those that are set.
     """
 
     kind: Kind
@@ -46,13 +48,15 @@ class Settings:
     frame_samples: int = 0
     frame_denoise: bool = False
     ray_tracing: bool = False
+    bake_adaptive: float = 0.0
+    fitted: bool = False
 
     @property
     def bake_key(self) -> tuple:
         """What a bake depends on: rungs of the same key share one."""
-        return (self.kind, self.resolution, self.bake_samples, self.bake_denoise, self.half_float) + (
-            (self.correction == "RELIEF",) if self.kind is Kind.PROBE else ()
-        )
+        samples = (self.bake_samples, self.bake_denoise, self.bake_adaptive)
+        relief = (self.correction == "RELIEF",) if self.kind is Kind.PROBE else ()
+        return (self.kind, self.resolution, *samples, self.half_float, self.fitted, *relief)
 
 
 @dataclass(frozen=True)

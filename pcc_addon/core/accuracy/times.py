@@ -60,7 +60,7 @@ def bake_work(settings: Settings) -> float:
 def _bake_classes(settings: Settings) -> list[tuple]:
     """Those whose lines may tell, the likest first: relief captures distance, a denoiser takes time of its own."""
     alike = (settings.kind, settings.engine)
-    return [(*alike, settings.correction == "RELIEF", settings.bake_denoise), alike]
+    return [(*alike, settings.correction == "RELIEF", settings.bake_denoise, settings.bake_adaptive), alike]
 
 
 def _frame_classes(settings: Settings) -> list[tuple]:

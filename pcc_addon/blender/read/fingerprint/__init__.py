@@ -42,7 +42,7 @@ _CAPTURED = [
     if field.name
     not in {"name", "box", "capture_offset", "padding", "falloff", "outside", "corrected", "hidden", "animated"}
     | {"source", "picture", "influence", "followed", "contact_hardening", "forced"}
-    | {"relief", "relief_steps", "relief_refinements", "half_float"}
+    | {"relief", "relief_steps", "relief_refinements", "half_float", "adaptive"}
 ]
 
 
@@ -77,7 +77,7 @@ class SceneFingerprint:
             return written(_of_image(probe))
         seen = self._seen(probe.engine)
         if probe.source is Source.WORLD:
-            settings = (probe.engine.value, probe.resolution, probe.samples, probe.denoise)
+            settings = (probe.engine.value, probe.resolution, probe.samples, probe.denoise, *_adaptive(probe))
             axes = (np.round(probe.box.face_normals, 5) + 0.0).tolist()  # no negative zeros
             return written(digest("world", plain((*settings, axes)), seen.world).hex())
         parts = _captured(probe), seen.settings(probe.denoise), seen.world, seen.objects(probe.hidden)
@@ -171,7 +171,12 @@ def _captured(probe: ProbeSpec) -> str:
     """The settings of a probe that its captures obey, and the place."""
     settings = (getattr(probe, name) for name in _CAPTURED)
     captured = [setting.value if isinstance(setting, Enum) else setting for setting in settings]
-    return plain((np.float32(probe.capture_point).tolist(), *captured))
+    return plain((np.float32(probe.capture_point).tolist(), *captured, *_adaptive(probe)))
+
+
+def _adaptive(probe: ProbeSpec) -> list[float]:
+    """Nothing where it is off, as in all bakes that were made before there was such a setting."""
+    return [probe.adaptive] if probe.adaptive else []
 
 
 def _of_image(probe: ProbeSpec) -> str:
