@@ -62,6 +62,11 @@ def parser(file_is_open: bool) -> argparse.ArgumentParser:
     fit.add_argument(
         "--apply", action="store_true", help="give the probes the boxes and capture points that were found"
     )
+    fit.add_argument(
+        "--render",
+        action="store_true",
+        help="say what that does to the camera's picture, against path tracing (about a minute for each probe)",
+    )
     sub("inject", "let the materials show the baked probes")
     sub("remove", "restore the materials")
     sub("plan", "say which materials show which probe, and why others do not", saves=False)

@@ -10,22 +10,20 @@ from pathlib import Path
 import bpy
 
 from ..blender.bake.job import BakedProbe, BakeJob
-from ..blender.fitting import FitJob, FittedProbe, apply_fit
 from ..blender.planning import plan_scene
-from ..blender.read.probes import all_probes, named_probes
 from ..blender.saving import save_whole
 from ..blender.shade import injection
 from ..blender.status import statuses, waiting_probes
 from ..blender.store import leftovers
 from ..blender.store.levels import bake_folder
 from ..core.errors import PccError
-from ..core.fit import report
 from ..core.frames import FrameRange, parse_frames
 from ..core.picture_files import picture_files
 from ..core.plan_report import lines, records
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Source
 from ..stopping import Stop
-from . import cost, misfit
+from . import cost, fit, misfit
+from .chosen import chosen_probes
 from .voice import Voice
 
 
@@ -69,7 +67,7 @@ def words_of_cancelling(voice: Voice) -> str:
 def _bake(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     scene, view_layer = bpy.context.scene, bpy.context.view_layer
     frames = _frames(options.frames)
-    probes = _probes(options)
+    probes = chosen_probes(options)
     _apply_settings(options, probes)
     if options.stale:
         waiting = waiting_probes(scene, view_layer, probes, frames)
@@ -97,55 +95,6 @@ def _bake(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
         stop.check()
         failures += _inject(options, voice, stop)
     return failures
-
-
-def _fit(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
-    if (options.save or options.output) and not options.apply:
-        raise PccError(
-            "nothing would be saved that is not in the file already; add --apply, or leave --save and --output out"
-        )
-    job = FitJob(bpy.context.scene, bpy.context.view_layer, _probes(options))
-    try:
-        while job.step():
-            stop.check()
-            voice.progress(job.progress, job.message)
-    except BaseException:
-        job.cancel()
-        raise
-    return sum(not _tell_fit(result, options.apply, voice) for result in job.results)
-
-
-def _tell_fit(result: FittedProbe, applies: bool, voice: Voice) -> bool:
-    """Tell of one probe's fit and apply it where that is asked for; returns whether that was done."""
-    if result.fit is None:
-        voice.error(result.error)
-        return False
-    details = report.record(result.fit)
-    voice.event("fitted", f"'{result.probe}': {report.headline(result.fit)}", probe=result.probe, **details)
-    for line in report.lines(result.fit):
-        voice.event("note", f"probe '{result.probe}': {line}", probe=result.probe, note=line)
-    if not applies:
-        return True
-    try:
-        apply_fit(named_probes(bpy.context.scene, [result.probe])[0], result.fit, bpy.context.view_layer)
-    except PccError as error:
-        voice.error(str(error))
-        return False
-    voice.event("applied", f"probe '{result.probe}' has the new box and capture point", probe=result.probe)
-    return True
-
-
-def _probes(options: argparse.Namespace) -> list[bpy.types.Object]:
-    """The probes that a command is for.
-
-    Raises:
-        PccError: there is none, or one is not there.
-    """
-    scene = bpy.context.scene
-    probes = named_probes(scene, options.probe) if options.probe else all_probes(scene)
-    if not probes:
-        raise PccError(f"scene '{scene.name}' has no parallax probe; add one with Add > Light Probe > Parallax Probe")
-    return probes
 
 
 def _frames(asked: str | None) -> FrameRange | str | None:
@@ -223,7 +172,7 @@ def _status(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Voice, Stop], int]] = {
     "bake": _bake,
-    "fit": _fit,
+    "fit": fit.run,
     "inject": _inject,
     "remove": _remove,
     "plan": _plan,

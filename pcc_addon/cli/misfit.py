@@ -7,20 +7,18 @@ import argparse
 import bpy
 
 from ..blender.accuracy.misfit_job import MisfitJob, ProbeMisfit
-from ..blender.read.probes import all_probes, named_probes
 from ..core.accuracy.misfit_files import write_pictures
 from ..core.accuracy.misfit_records import record
 from ..core.errors import PccError
 from ..stopping import Stop
+from .chosen import chosen_probes
 from .voice import Voice
 
 
 def run(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     """Survey the probes, say what was found, and write pictures where that is asked for."""
     scene = bpy.context.scene
-    probes = named_probes(scene, options.probe) if options.probe else all_probes(scene)
-    if not probes:
-        raise PccError(f"scene '{scene.name}' has no parallax probe; add one with Add > Light Probe > Parallax Probe")
+    probes = chosen_probes(options)
     if options.out is not None and options.out.exists() and not options.out.is_dir():
         raise PccError(f"--out '{options.out}' is a file; name a folder")
     job = MisfitJob(scene, bpy.context.view_layer, probes)

@@ -8,10 +8,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
+from pcc_addon.blender.accuracy import fit_errors
 from pcc_addon.blender.read.probes import probe_spec
 from pcc_addon.cli import run_in_blender
 from pcc_addon.core.probe import Box
+from sample_blends.scenes import add_camera
 from tests.blender.helpers import ROOM, save, small_probe, small_room
 from tests.core.rooms import box, wall_errors
 
@@ -94,3 +97,21 @@ def test_people_read_sentences(capfd: pytest.CaptureFixture[str], blend: Path) -
     assert "misfit after: median 0.0000 m" in text and "wall +X found (-0.400 m" in text and "capture point" in text
     code, lines = events(capfd, "fit", blend, "--probe", "Attic")
     assert code == 1 and "'Attic'" in lines[-1]["error"]
+
+
+def test_what_a_fit_does_to_the_picture_is_measured(
+    capfd: pytest.CaptureFixture[str], blend: Path, monkeypatch
+) -> None:
+    monkeypatch.setattr(fit_errors, "_TRUTH_SECONDS", 1.0)
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    add_camera(ROOM.world(-1.2, -0.9, 0.6), Vector(ROOM.world(0.5, 0.3, -1.0)), 24.0, 64, 36)
+    bpy.ops.wm.save_mainfile()
+    before = blend.read_bytes()
+    code, lines = events(capfd, "fit", blend, "--probe", "Probe", "--render")
+    [measured] = [line for line in lines if line["event"] == "measured"]
+    assert code == 0 and measured["after"] < 0.5 * measured["before"] and blend.read_bytes() == before
+
+
+def test_without_a_camera_the_picture_cannot_be_measured(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    code, lines = events(capfd, "fit", blend, "--probe", "Probe", "--render")
+    assert code == 1 and "no camera" in next(line for line in lines if line["event"] == "error")["error"]
