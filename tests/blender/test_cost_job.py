@@ -108,8 +108,7 @@ def test_a_box_that_does_not_fit_is_measured_as_a_fit_would_have_it(scene, tmp_p
 def test_a_box_that_fits_is_not_fitted(scene, tmp_path: Path, monkeypatch) -> None:
     asked_for = []
     monkeypatch.setattr(job, "ladder", lambda *_, fits, **__: asked_for.append(fits) or RUNGS[:1])
-    with pytest.raises(PccError):
-        shell(room_file(tmp_path))
+    shell(room_file(tmp_path))
     assert set(asked_for) == {False}
 
 

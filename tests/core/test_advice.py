@@ -251,9 +251,8 @@ def test_extrapolated_numbers_say_so() -> None:
 def test_blenders_own_sphere_probe_is_told_of() -> None:
     sphere = Measurement(Settings(Kind.SPHERE, Engine.EEVEE, resolution=256), 0.4, 0.2, None, 1.0, 0.1)
     told = " ".join(advice(only([probe(0.05, 20.0, 1.4), sphere])).sentences)
-    assert (
-        "Blender's own sphere probe has an error of 40 % at its best (256 px, 0.1 s a frame); this probe 5.0 %." in told
-    )
+    words = "an error of 40 % at its best (with a box, 256 px, 0.1 s a frame); this probe 5.0 %."
+    assert f"Blender's own sphere probe has {words}" in told
 
 
 def test_moving_pictures_are_told_of_beside_path_tracing_of_the_same_time() -> None:

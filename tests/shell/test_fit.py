@@ -14,7 +14,7 @@ from pcc_addon.blender.accuracy import fit_errors
 from pcc_addon.blender.read.probes import probe_spec
 from pcc_addon.cli import run_in_blender
 from pcc_addon.core.probe import Box
-from sample_blends.scenes import add_camera
+from sample_blends.scenes import add_camera, principled_node
 from tests.blender.helpers import ROOM, save, small_probe, small_room
 from tests.core.rooms import box, wall_errors
 
@@ -105,6 +105,8 @@ def test_what_a_fit_does_to_the_picture_is_measured(
     monkeypatch.setattr(fit_errors, "_TRUTH_SECONDS", 1.0)
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     add_camera(ROOM.world(-1.2, -0.9, 0.6), Vector(ROOM.world(0.5, 0.3, -1.0)), 24.0, 64, 36)
+    bpy.context.scene.render.engine = "CYCLES"
+    principled_node(bpy.data.materials["Floor"]).inputs["Metallic"].default_value = 1.0
     bpy.ops.wm.save_mainfile()
     before = blend.read_bytes()
     code, lines = events(capfd, "fit", blend, "--probe", "Probe", "--render")

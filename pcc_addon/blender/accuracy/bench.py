@@ -17,6 +17,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.accuracy.records import Kind, Settings
+from ...core.effects.relief import DEPARTS
 from ...core.errors import PccError
 from ...core.fit.records import Fit
 from ...core.frames import STILL
@@ -26,6 +27,7 @@ from ..bake.job import BakeJob
 from ..fitting import FitJob, apply_fit
 from ..overrides import override
 from ..read.holders import Holders
+from ..read.probes import bake_record
 from ..rendering import Frame, Renderer, RenderSettings
 from ..shade import injection
 from ..store import pictures
@@ -133,6 +135,7 @@ class Bench:
         self._bakes: dict[tuple, KeptBake] = {}
         self._drawn = _Drawn.of(probe)
         self.fit: Fit | None = None
+        self._flat: set[bool] = set()  # whether fitted: rooms in which nothing stands
         self._loaded: tuple | None = None  # the key of the bake that the probe has
         self._shown: tuple = ()  # the lookup that materials show
         render = scene.render
@@ -180,6 +183,9 @@ class Bench:
         size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
         self.last_bake = KeptBake(folder, self._probe.pcc_probe.bake_record, seconds, size)
         self._bakes[settings.bake_key] = self.last_bake
+        record = bake_record(self._probe)
+        if record is not None and record.departure is not None and record.departure <= DEPARTS:
+            self._flat.add(settings.fitted)
 
     def bake_of(self, settings: Settings) -> KeptBake:
         """The bake that a rung shares with others."""
@@ -203,6 +209,13 @@ class Bench:
         elif self._shows is not _Shows.THEMSELVES:
             injection.remove()
             self._become(_Shows.THEMSELVES)
+
+    def is_needless(self, settings: Settings) -> bool:
+        """Whether a rung differs from another by nothing that is seen: relief where all that was captured is the box.
+
+        Known once a bake with relief was made.
+        """
+        return settings.correction == "RELIEF" and settings.fitted in self._flat
 
     def find_fit(self) -> Iterator[str]:
         """See whether another box fits the room better; yields what is done next."""
@@ -273,15 +286,23 @@ class Bench:
         self._shows = shows
 
     def _add_sphere(self, stack: ExitStack, settings: Settings) -> None:
-        """Blender's own sphere probe in the box's middle, which its parallax box has to be around."""
+        """Blender's own sphere probe in the box's middle, which its parallax box has to be around.
+
+        As it is added its parallax is a sphere, here the one around the box; with the box it takes some knowledge.
+        """
         data = bpy.data.lightprobes.new("PCC Sphere", type="SPHERE")
         stack.callback(bpy.data.lightprobes.remove, data)
         item = bpy.data.objects.new("PCC Sphere", data)
-        data.influence_type = data.parallax_type = "BOX"
-        data.use_custom_parallax = True
-        data.influence_distance = data.parallax_distance = 1.0
         data.falloff = 0.0
-        item.matrix_world = self._probe.matrix_world @ Matrix.Diagonal((*[self._probe.empty_display_size] * 3, 1.0))
+        box = self._probe.matrix_world @ Matrix.Diagonal((*[self._probe.empty_display_size] * 3, 1.0))
+        if settings.correction == "BOX":
+            data.influence_type = data.parallax_type = "BOX"
+            data.use_custom_parallax = True
+            data.influence_distance = data.parallax_distance = 1.0
+            item.matrix_world = box
+        else:
+            item.location = box.translation
+            data.influence_distance = box.to_scale().length
         data.clip_start, data.clip_end = self._probe.pcc_probe.clip_start, self._probe.pcc_probe.clip_end
         self._scene.collection.objects.link(item)
         override(stack, self._scene.eevee, "gi_cubemap_resolution", str(settings.resolution))

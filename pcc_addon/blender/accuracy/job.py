@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -214,11 +214,11 @@ class CostJob:
         """Measure rung after rung, as long as there is time for one and for measuring the best once more."""
         halves = "half_float" in self._subject.probe.pcc_probe.bl_rna.properties
         fits = self._bench.fit is not None
-        rungs = (*ladder(self._subject.engine, corrections(), halves=halves, fits=fits), own)
-        while (rung := self._next(rungs)) is not None:
+        all_rungs = (*ladder(self._subject.engine, corrections(), halves=halves, fits=fits), own)
+        while (rung := self._next([each for each in all_rungs if not self._bench.is_needless(each)])) is not None:
             yield from self._measured(rung, _SEED)
 
-    def _next(self, rungs: tuple[Settings, ...]) -> Settings | None:
+    def _next(self, rungs: Sequence[Settings]) -> Settings | None:
         foresight, baked, left = self._foresight(), self._bench.baked, self._left - _SPARE
         best = self._recommended
         again = foresight.seconds(best.settings, ()) if best else 0.0

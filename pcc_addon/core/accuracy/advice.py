@@ -304,7 +304,7 @@ def _spheres(report: CostReport, rung: Measurement) -> Iterator[str]:
         best = min(spheres, key=lambda m: (m.rmse, m.frame_seconds))
         yield (
             f"Blender's own sphere probe has an error of {labels.error(error_of(report, best))} at its best "
-            f"({best.settings.resolution} px, {labels.seconds(best.frame_seconds)} a frame); this probe "
+            f"({labels.of_sphere(best.settings)}, {labels.seconds(best.frame_seconds)} a frame); this probe "
             f"{labels.error(error_of(report, rung))}."
         )
 

@@ -16,7 +16,7 @@ def label(settings: Settings) -> str:
 def of_bake(settings: Settings) -> str:
     """What a bake needs to know, and how the probe is looked up."""
     if settings.kind is Kind.SPHERE:
-        return f"Blender's sphere probe, {settings.resolution} px"
+        return f"Blender's sphere probe {of_sphere(settings)}"
     name = CORRECTIONS.get(settings.correction, settings.correction.lower())
     if settings.correction == "RELIEF":
         name += f" ({settings.steps} steps, {settings.refinements} refinements)"
@@ -25,6 +25,12 @@ def of_bake(settings: Settings) -> str:
     precision = ", half float" if settings.half_float else ""
     samples = _samples(settings.bake_samples, settings.bake_denoise)
     return f"{name}{fitted}, {settings.resolution} px faces, {samples}{adaptive}{precision}"
+
+
+def of_sphere(settings: Settings) -> str:
+    """How Blender's own probe is set."""
+    parallax = "with a box" if settings.correction == "BOX" else "as it is added"
+    return f"{parallax}, {settings.resolution} px"
 
 
 def of_frame(settings: Settings) -> str:

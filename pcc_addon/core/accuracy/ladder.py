@@ -67,10 +67,12 @@ def _of_probe(engine: Engine, corrections: Sequence[str], halves: bool) -> Itera
 
 def _of_sphere(engine: Engine) -> Iterator[Settings]:
     if engine is Engine.EEVEE:
-        for size, (samples, denoise, traced) in product(SPHERE_RESOLUTIONS, _looks(engine)):
+        choices = product(SPHERE_RESOLUTIONS, _looks(engine), ("BOX", "NONE"))
+        for size, (samples, denoise, traced), parallax in choices:
             yield Settings(
                 Kind.SPHERE,
                 engine,
+                parallax,
                 resolution=size,
                 frame_samples=samples,
                 frame_denoise=denoise,

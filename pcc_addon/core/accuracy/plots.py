@@ -167,7 +167,8 @@ def _short(settings: dict[str, Any]) -> str:
     if settings["kind"] == "PATH":
         return f"{'path tracing' if settings['engine'] == 'CYCLES' else 'EEVEE without probes'} {frame}"
     if settings["kind"] == "SPHERE":
-        return f"sphere probe {settings['resolution']} px, frame {frame}"
+        parallax = ", box" * (settings["correction"] == "BOX")
+        return f"sphere probe{parallax} {settings['resolution']} px, frame {frame}"
     bake = f"{settings['bake_samples']}{' denoised' if settings['bake_denoise'] else ''}"
     relief = f" {settings['steps']}+{settings['refinements']}" if settings["correction"] == "RELIEF" else ""
     more = ", half" * settings["half_float"] + ", adaptive" * bool(settings.get("bake_adaptive"))

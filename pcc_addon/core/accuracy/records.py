@@ -23,7 +23,8 @@ class Settings:
     Attributes:
         kind: what makes the picture.
         engine: that shows it.
-        correction: as `pcc_probe.correction`: "NONE", "BOX" or "RELIEF"; of a probe.
+        correction: as `pcc_probe.correction`: "NONE", "BOX" or "RELIEF"; of a sphere probe "BOX" where its parallax is
+            that of the probe's box, else "NONE": that of a sphere, as Blender adds it.
         resolution: face width, pixels; of a probe or a sphere probe.
         bake_samples: per pixel of a face.
         bake_denoise: whether faces are denoised.

@@ -14,6 +14,7 @@ from .records import CostReport, Kind, Settings
 from .times import Times, bake_work
 
 _ENOUGH = 2**31
+_TINY = 1e-12
 
 
 def next_rung(report: CostReport, ladder: Sequence[Settings], left: float) -> Settings | None:
@@ -22,9 +23,9 @@ def next_rung(report: CostReport, ladder: Sequence[Settings], left: float) -> Se
     First the cheapest rung of each way to make a picture (correction, denoising, precision, path tracing …) and a
     dearer one of each with a probe, of a twentieth of the seconds left; then path tracing with more and more samples
     until it is as good as the best probe or would take more than a tenth of the seconds left; then rungs one step away
-    from those on a front, beginning at the smallest error, but not where the last step has brought next to nothing;
-    then the others, cheapest first. What will not be done within the seconds left is left out; as long as nothing like
-    a rung was measured, its seconds are unknown and it counts as done in time.
+    from those on a front, beginning at the smallest error and with the knob whose last step took most off it, but not
+    where that has brought next to nothing; then the others, cheapest first. What will not be done within the seconds
+    left is left out; while nothing like a rung was measured, its seconds are unknown and it counts as done in time.
 
     Args:
         report: what has been measured, in any order.
@@ -49,12 +50,13 @@ def next_rung(report: CostReport, ladder: Sequence[Settings], left: float) -> Se
         [rung for rung in open_rungs if _way(rung) not in ways],
         _middles(ladder, done, within(0.05 * left)),
         _rivals(report, within(0.1 * left)),
-        *_beside(report, ladder, open_rungs),
-        open_rungs,
     ):
         if candidates:
             return min(candidates, key=order.__getitem__)
-    return None
+    for beside in _beside(report, ladder, open_rungs):
+        if beside:
+            return min(beside, key=lambda rung: (-beside[rung], order[rung]))
+    return min(open_rungs, key=order.__getitem__, default=None)
 
 
 class _Prices:
@@ -111,8 +113,9 @@ def _rivals(report: CostReport, cheap: list[Settings]) -> list[Settings]:
     return list(found.values())
 
 
-def _beside(report: CostReport, ladder: Sequence[Settings], open_rungs: list[Settings]) -> list[list[Settings]]:
-    """For each rung on a front, the best first, the open rungs that are one step of one knob away.
+def _beside(report: CostReport, ladder: Sequence[Settings], open_rungs: list[Settings]) -> list[dict[Settings, float]]:
+    """For each rung on a front, the best first, the open rungs that are one step of one knob away, with what they
+    promise: by what factor the step before in that direction made the error smaller, 1 where there was none.
 
     Not those in whose direction the step before, which was measured, took less than 3 % off the error.
     """
@@ -125,12 +128,14 @@ def _beside(report: CostReport, ladder: Sequence[Settings], open_rungs: list[Set
         alike = [other for other in {*ladder, *errors} if _family(other) == _family(rung)]
         values = [sorted({_knobs(other)[k] for other in alike}) for k in range(len(_knobs(rung)))]
         steps = {other: step for other in alike if (step := _step(rung, other, values))}
-        flat = {
-            (knob, -way)
+        gains = {
+            (knob, -way): errors[other] / max(errors[rung], _TINY)
             for other, (knob, way) in steps.items()
-            if other in errors and errors[other] * 0.97 < errors[rung]
+            if other in errors
         }
-        found.append([other for other in open_rungs if other in steps and steps[other] not in flat])
+        promised = {other: gains.get(steps[other], 1.0) for other in open_rungs if other in steps}
+        flat = {step for step, gain in gains.items() if gain < 1.0 / 0.97}
+        found.append({other: gain for other, gain in promised.items() if steps[other] not in flat})
     return found
 
 
