@@ -25,8 +25,8 @@ from .pruning import TOLERANCE, Comparison, bake_all, compare, force, put_in, se
 from .scenes import Drawn, drawn
 
 _NEWEST = bpy.app.version >= (5, 2)
-QUICK, ALL = 10, 200 if _NEWEST else 40
-EEVEE = 12 if _NEWEST else 3
+QUICK, ALL = 10, 200 if _NEWEST else 16
+EEVEE = 12 if _NEWEST else 2
 on_newest = pytest.mark.skipif(not _NEWEST, reason="tried on the newest Blender, as it takes long")
 EEVEE_TOLERANCE = 2e-3
 """Absolute; EEVEE reads pictures in half precision."""
