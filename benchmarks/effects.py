@@ -2,6 +2,7 @@
 
 python3 dev.py run benchmarks/effects.py                      # the effects, then our samples
 python3 dev.py run benchmarks/effects.py effects              # the effects alone; "bakes": those of bakes
+python3 dev.py run benchmarks/effects.py relief               # one effect by its key; the others stay as they were
 python3 dev.py run benchmarks/effects.py samples ROOM.blend   # the samples alone, and another file
 
 Writes docs/effects.md, and the table of costs that the plan and the panels show.
@@ -44,9 +45,13 @@ PAGE = ROOT / "docs" / "effects.md"
 def main() -> None:
     start()
     part, *rooms = sys.argv[1:] or ["all"]
-    if part in {"all", "effects", "bakes"}:
-        costs = dict(cost_table().costs) if part == "bakes" else {case.effect.key: measure(case) for case in CASES}
-        costs |= {case.effect.key: measure_bake(case) for case in BAKES}
+    keys = {effect.key for effect in Effect}
+    if part in {"all", "effects", "bakes"} | keys:
+        anew = part in {"all", "effects"}
+        costs = {} if anew else dict(cost_table().costs)
+        costs |= {case.effect.key: measure(case) for case in CASES if anew or case.effect.key == part}
+        some = {case.effect.key for case in BAKES} & ({part} if part in keys else keys)
+        costs |= {case.effect.key: measure_bake(case) for case in BAKES if case.effect.key in some}
         where = f"{_processor()}, {os.cpu_count()} cores, Blender {bpy.app.version_string}, {date.today().isoformat()}"
         document = {"where": where, "effects": {key: asdict(cost) for key, cost in costs.items()}}
         TABLE.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")

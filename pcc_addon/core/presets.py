@@ -1,4 +1,8 @@
-"""Settings for three purposes, from what accuracy costs (docs/accuracy.md)."""
+"""Settings for three purposes, from what accuracy costs (docs/accuracy.md).
+
+Half precision changed no error that was measured, the denoiser makes of 4 samples what 16 are without it, and twelve steps
+of relief found all that 24 did; the width of faces is what counts where the box fits.
+"""
 
 from __future__ import annotations
 
@@ -30,6 +34,6 @@ class Preset(Enum):
     def __init__(self, label: str, purpose: str, settings: PresetSettings) -> None:
         self.label, self.purpose, self.settings = label, purpose, settings
 
-    PREVIEW = "Preview", "To see where reflections go, in seconds", PresetSettings(128, 16, True, True, 8, 3)
-    MEDIUM = "Medium", "For most pictures", PresetSettings(512, 64, True, True, 12, 4)
-    FINAL = "Final", "Where mirrors are large in the picture", PresetSettings(1024, 256, True, False, 24, 6)
+    PREVIEW = "Preview", "To see where reflections go, in seconds", PresetSettings(128, 4, True, True, 8, 3)
+    MEDIUM = "Medium", "For most pictures", PresetSettings(512, 16, True, True, 12, 4)
+    FINAL = "Final", "Where mirrors are large in the picture", PresetSettings(1024, 64, True, True, 12, 4)

@@ -29,8 +29,9 @@ def test_a_preset_sets_the_selected_probes(scene, preset: Preset) -> None:
 
 
 def test_better_presets_have_more_of_everything() -> None:
-    sizes = [[p.settings.resolution, p.settings.samples, p.settings.relief_steps] for p in Preset]
+    sizes = [[p.settings.resolution, p.settings.samples] for p in Preset]
     assert (np.diff(sizes, axis=0) > 0).all()
+    assert (np.diff([[p.settings.relief_steps, p.settings.relief_refinements] for p in Preset], axis=0) >= 0).all()
 
 
 def test_without_a_probe_it_says_what_to_do(scene) -> None:
