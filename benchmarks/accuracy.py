@@ -19,8 +19,7 @@ from pathlib import Path
 
 import bpy
 
-from benchmarks.measure import ROOT, relative_rmse, render, start, table, write_between
-from pcc_addon.blender.read.probes import all_probes
+from benchmarks.measure import ROOT, open_room, relative_rmse, render, start, table, write_between
 from pcc_addon.core.accuracy import files, labels
 from pcc_addon.core.accuracy.advice import advice
 from pcc_addon.core.accuracy.front import Axis, error_of, front
@@ -98,15 +97,7 @@ def _options() -> argparse.Namespace:
 
 
 def _furnished(path: Path) -> Subject:
-    return Subject(path.stem.replace("_", " "), partial(_open, path), tuple(Engine), 1.5)
-
-
-def _open(path: Path) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    scene = bpy.context.scene
-    if not all_probes(scene):
-        scenes.add_probe_around(scene)
-        bpy.ops.pcc.fit()
+    return Subject(path.stem.replace("_", " "), partial(open_room, path, fit=True), tuple(Engine), 1.5)
 
 
 def _file_name(name: str) -> str:

@@ -25,7 +25,7 @@ from statistics import median
 import bpy
 
 from benchmarks.effects_cases import BAKES, CASES, Case, build, switch
-from benchmarks.measure import ROOT, render, start, table, write_between
+from benchmarks.measure import ROOT, open_room, render, start, table, write_between
 from pcc_addon.blender import marks
 from pcc_addon.blender.bake.job import BakeJob
 from pcc_addon.blender.read.probes import all_probes
@@ -189,20 +189,13 @@ def _samples(rooms: Sequence[str]) -> dict[str, Callable[[], object]]:
     found: dict[str, Callable[[], object]] = {
         "emissive room": SAMPLES["emissive_room.blend"],
         "gallery": scenes.gallery,
-        "any cubemap": partial(_open, str(FOLDER / "any_cubemap.blend")),  # its picture is found from there
+        "any cubemap": partial(open_room, FOLDER / "any_cubemap.blend"),  # its picture is found from there
         "glass": glass.glass,
         "moving": moving.moving,
         "two rooms": two_rooms.two_rooms,
         "two rooms of metal": two_rooms.of_metal,
     }
-    return found | {Path(room).stem.replace("_", " "): partial(_open, room) for room in rooms}
-
-
-def _open(path: str) -> None:
-    """A room of others, with a probe around all that is in it."""
-    bpy.ops.wm.open_mainfile(filepath=path)
-    if not all_probes(bpy.context.scene):
-        scenes.add_probe_around(bpy.context.scene)
+    return found | {Path(room).stem.replace("_", " "): partial(open_room, Path(room)) for room in rooms}
 
 
 def measure_sample() -> list[str]:

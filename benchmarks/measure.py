@@ -13,10 +13,11 @@ import numpy as np
 
 import pcc_addon
 from pcc_addon.blender import rendering
+from pcc_addon.blender.read.probes import all_probes
 from pcc_addon.blender.rendering import Frame
 from pcc_addon.core.probe import Engine
 from pcc_addon.quiet import quiet_blender
-from sample_blends.scenes import emissive
+from sample_blends.scenes import add_probe_around, emissive
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -33,6 +34,17 @@ def start() -> None:
 def render(scene: bpy.types.Scene, engine: Engine = Engine.CYCLES, samples: int = 64) -> Frame:
     """Render the scene's camera; its settings are afterwards as before."""
     return rendering.render(scene, rendering.RenderSettings(engine, samples))
+
+
+def open_room(path: Path, *, fit: bool = False) -> bpy.types.Scene:
+    """A room of others; where it has no probe, one around all that is in it, or fitted to it."""
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    scene = bpy.context.scene
+    if not all_probes(scene):
+        add_probe_around(scene)
+        if fit:
+            bpy.ops.pcc.fit()
+    return scene
 
 
 def covered(scene: bpy.types.Scene, item: bpy.types.Object) -> np.ndarray:

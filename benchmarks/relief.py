@@ -17,7 +17,7 @@ from statistics import median
 import bpy
 import numpy as np
 
-from benchmarks.measure import ROOT, pixels_of, relative_rmse, render, start, table, write_between
+from benchmarks.measure import ROOT, open_room, pixels_of, relative_rmse, render, start, table, write_between
 from pcc_addon.blender.read.probes import all_probes, bake_record
 from pcc_addon.core.probe import Engine
 from sample_blends import scenes
@@ -135,12 +135,7 @@ def _furnished() -> str:
 
 
 def _another(path: str, floor: str) -> str:
-    bpy.ops.wm.open_mainfile(filepath=path)
-    scene = bpy.context.scene
-    if not all_probes(scene):
-        scenes.add_probe_around(scene)
-        if hasattr(bpy.ops.pcc, "fit"):
-            bpy.ops.pcc.fit()
+    open_room(Path(path), fit=True)
     _mirror(bpy.data.materials[floor])
     return floor
 

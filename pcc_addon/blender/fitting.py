@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -22,6 +21,7 @@ from .bake import faces
 from .bake.capture import Stage
 from .read.moving import is_animated
 from .read.probes import check_own, check_place, probe_spec
+from .stepping import SteppedJob
 
 _RESOLUTION = 96  # pixels of a face: a wall of 5 m is found to 0.02 mm, and what is a hand wide is seen
 _STEPS = 14  # of a probe: two surveys of six faces, and what is made of each
@@ -46,12 +46,10 @@ class FittedProbe:
     seconds: float = 0.0
 
 
-class FitJob:
-    """Fits probes of a scene. Call `step` until it returns False, or `cancel`; the scene is changed in between.
+class FitJob(SteppedJob):
+    """Fits probes of a scene.
 
     Attributes:
-        progress: 0 … 1.
-        message: what is being done.
         results: one for each probe that is finished or failed.
     """
 
@@ -64,36 +62,9 @@ class FitJob:
             scene, view_layer: what is looked at.
             probes: those to fit.
         """
-        self.progress = 0.0
-        self.message = "Preparing"
+        super().__init__()
         self.results: list[FittedProbe] = []
         self._scene, self._view_layer, self._probes = scene, view_layer, list(probes)
-        self._stack = ExitStack()
-        self._work = self._run()
-
-    def step(self) -> bool:
-        """Do the next piece of work; False once all is done and the scene is restored.
-
-        Raises:
-            Cancelled: the user stopped a render.
-            Exception: whatever else went wrong. In every case the scene is restored first.
-        """
-        try:
-            next(self._work)
-        except StopIteration:
-            self._stack.close()
-            self.progress, self.message = 1.0, "Done"
-            return False
-        except BaseException:
-            self._stack.close()
-            raise
-        return True
-
-    def cancel(self) -> None:
-        """Stop and restore the scene."""
-        self._work.close()
-        self._stack.close()
-        self.message = "Cancelled"
 
     def steps(self) -> Iterator[str]:
         """All steps, with what is done next after each; closing it cancels. Raises as `step` does."""
@@ -105,8 +76,7 @@ class FitJob:
 
     def run(self) -> list[FittedProbe]:
         """All steps at once."""
-        while self.step():
-            pass
+        self.finish()
         return self.results
 
     def _run(self) -> Iterator[None]:

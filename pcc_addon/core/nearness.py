@@ -6,20 +6,29 @@ import numpy as np
 
 from . import equirect
 from .cubemap import FACES, OVERSCAN, face_directions
-from .probe import ProbeSpec
+from .probe import Box, ProbeSpec
+
+
+def distances(box: Box, points: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """(…) float64: metres along vectors (…, 3) of any length from points (…, 3) in a box to its walls; world space.
+
+    Points beyond a wall count as on it.
+    """
+    ways = vectors @ box.face_normals.T
+    ahead = np.maximum(box.half_widths - (points - box.centre) @ box.face_normals.T * np.sign(ways), 0.0)
+    steep = np.abs(ways) / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.divide(
+        ahead, steep, out=np.full(np.broadcast_shapes(ahead.shape, steep.shape), np.inf), where=steep > 0.0
+    ).min(-1)
 
 
 def along(spec: ProbeSpec, directions: np.ndarray) -> np.ndarray:
     """1/metres along world-space directions (..., 3), of any length but 0, from a probe's capture point to its box.
 
-    Negative or infinite where the capture point is not in the box.
+    Infinite where the way to the box is 0, as where the capture point is not in it.
     """
-    box = spec.box
-    start = box.coordinates(spec.capture_point[None])[0]
-    ways = directions @ box.face_normals.T
-    lengths = np.linalg.norm(directions, axis=-1)
     with np.errstate(divide="ignore"):
-        return (np.abs(ways) / (box.half_widths - start * np.sign(ways))).max(-1) / lengths
+        return 1.0 / distances(spec.box, spec.capture_point, directions)
 
 
 def of_walls(spec: ProbeSpec) -> np.ndarray:

@@ -15,6 +15,7 @@ from ..core.accuracy.page import HTML_NAME
 from ..core.accuracy.plots import NAMES
 from ..core.accuracy.records import CostReport
 from ..core.errors import PccError
+from .probe_panel import OfBake
 from .sentences import say
 
 _MOST_ROWS = 8
@@ -58,17 +59,9 @@ class PCC_OT_cost_show(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class PCC_PT_accuracy(bpy.types.Panel):
+class PCC_PT_accuracy(OfBake, bpy.types.Panel):
     bl_label = "Accuracy"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "data"
-    bl_parent_id = "PCC_PT_probe"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and context.object.pcc_probe.source == "BAKE"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

@@ -5,9 +5,10 @@ from __future__ import annotations
 import bpy
 
 from ..blender.fitting import FitJob, apply_fit
-from ..blender.read.probes import all_probes, named_probes
+from ..blender.read.probes import named_probes
 from ..core.errors import PccError
 from ..core.fit.report import headline
+from .chosen import chosen_probes
 from .running import RunsJob
 
 
@@ -23,13 +24,13 @@ class PCC_OT_fit(RunsJob, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not _asked_for(context):
+        if not chosen_probes(context):
             cls.poll_message_set("Select a parallax probe that is not linked")
             return False
         return True
 
     def _start(self, context: bpy.types.Context) -> set[str]:
-        self._job = FitJob(context.scene, context.view_layer, _asked_for(context))
+        self._job = FitJob(context.scene, context.view_layer, chosen_probes(context))
         return set()
 
     def _stopped(self) -> set[str]:
@@ -53,13 +54,6 @@ class PCC_OT_fit(RunsJob, bpy.types.Operator):
         if failed:
             self.report({"ERROR"}, "; ".join(failed))
         return {"FINISHED"} if fitted else {"CANCELLED"}
-
-
-def _asked_for(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected probes; where none is, the active one."""
-    probes = all_probes(context.scene)
-    selected = [probe for probe in probes if probe.select_get(view_layer=context.view_layer)]
-    return selected or [probe for probe in probes if probe == context.view_layer.objects.active]
 
 
 CLASSES = (PCC_OT_fit,)

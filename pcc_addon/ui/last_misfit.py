@@ -11,6 +11,7 @@ from ..blender import handlers
 from ..blender.accuracy.misfit_job import ProbeMisfit
 from ..blender.read.probes import all_probes, probe_spec
 from ..core.errors import PccError
+from .redrawing import redraw
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +63,6 @@ def keep(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, found: ProbeMi
 def forget() -> None:
     """Forget all."""
     _found.clear()
-
-
-def redraw() -> None:
-    """Let panels and viewports show what is known now."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in {"PROPERTIES", "VIEW_3D"}:
-                area.tag_redraw()
 
 
 def _call_late(scene: bpy.types.Scene) -> None:

@@ -13,6 +13,7 @@ from ..blender.planning import plan_scene
 from ..blender.status import ProbeStatus, planned_statuses
 from ..core.decisions import Effect
 from ..core.plan import Plan
+from .redrawing import redraw
 
 AT_ONCE = 1.0  # seconds: what takes no longer is planned anew after each choice, without being asked
 
@@ -81,21 +82,14 @@ def _keep(
     if seconds is None:
         seconds = before.seconds if before is not None else 0.0
     _plans[scene.session_uid] = LastPlan(plan, seconds, states or {})
-    _redraw()
+    redraw()
 
 
 def _call_late(scene: bpy.types.Scene) -> None:
     last = of(scene)
     if last is not None and not last.late:
         _plans[scene.session_uid] = replace(last, late=True)
-        _redraw()
-
-
-def _redraw() -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in {"PROPERTIES", "VIEW_3D"}:
-                area.tag_redraw()
+        redraw()
 
 
 @bpy.app.handlers.persistent

@@ -5,8 +5,9 @@ from __future__ import annotations
 import bpy
 
 from ..blender.accuracy.misfit_job import MisfitJob
-from ..blender.read.probes import all_probes
 from . import last_misfit
+from .chosen import chosen_probes
+from .probe_panel import OfBake
 from .running import RunsJob
 from .sentences import say
 
@@ -21,13 +22,13 @@ class PCC_OT_misfit(RunsJob, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not _chosen(context):
+        if not chosen_probes(context):
             cls.poll_message_set("Select a parallax probe")
             return False
         return True
 
     def _start(self, context: bpy.types.Context) -> set[str]:
-        self._job = MisfitJob(context.scene, context.view_layer, _chosen(context))
+        self._job = MisfitJob(context.scene, context.view_layer, chosen_probes(context))
         return set()
 
     def _stopped(self) -> set[str]:
@@ -45,24 +46,9 @@ class PCC_OT_misfit(RunsJob, bpy.types.Operator):
         return {"FINISHED"} if done else {"CANCELLED"}
 
 
-def _chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected probes, or the active one where none is."""
-    probes = all_probes(context.scene)
-    selected = [probe for probe in probes if probe.select_get(view_layer=context.view_layer)]
-    return selected or [probe for probe in probes if probe == context.object]
-
-
-class PCC_PT_fit(bpy.types.Panel):
+class PCC_PT_fit(OfBake, bpy.types.Panel):
     bl_label = "Fit"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "data"
-    bl_parent_id = "PCC_PT_probe"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and context.object.pcc_probe.source == "BAKE"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

@@ -11,6 +11,7 @@ from gpu_extras.batch import batch_for_shader
 from ..blender.accuracy.misfit_job import ProbeMisfit
 from ..core.accuracy.misfit_pictures import UNSEEN
 from . import last_misfit, misfit_shapes
+from .redrawing import redraw
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +84,7 @@ def _made(found: ProbeMisfit) -> _Drawn:
 
 
 def _redraw(manager: bpy.types.WindowManager, context: bpy.types.Context) -> None:
-    last_misfit.redraw()
+    redraw()
 
 
 def register() -> None:

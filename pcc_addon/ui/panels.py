@@ -9,6 +9,7 @@ from ..core.cubemap import FACE_NAMES
 from ..core.errors import PccError
 from ..core.presets import Preset
 from . import last_plan
+from .probe_panel import OfBake, OfProbe
 from .sentences import say
 
 
@@ -81,12 +82,8 @@ def _not_captured(probe: bpy.types.Object) -> tuple[str, ...]:
     return record.lacks(FACE_NAMES) if record else ()
 
 
-class PCC_PT_influence(bpy.types.Panel):
+class PCC_PT_influence(OfProbe, bpy.types.Panel):
     bl_label = "Influence"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "data"
-    bl_parent_id = "PCC_PT_probe"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -109,16 +106,8 @@ class PCC_PT_influence(bpy.types.Panel):
         box.prop(settings, "normal_fade")
 
 
-class PCC_PT_hidden(bpy.types.Panel):
+class PCC_PT_hidden(OfBake, bpy.types.Panel):
     bl_label = "Hidden from Capture"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "data"
-    bl_parent_id = "PCC_PT_probe"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and context.object.pcc_probe.source == "BAKE"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

@@ -7,6 +7,7 @@ from dataclasses import asdict
 import bpy
 
 from ..core.presets import Preset
+from .chosen import chosen_probes
 
 
 class PCC_OT_preset(bpy.types.Operator):
@@ -22,24 +23,17 @@ class PCC_OT_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not _chosen(context):
+        if not chosen_probes(context):
             cls.poll_message_set("Select a parallax probe")
             return False
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        for probe in _chosen(context):
+        for probe in chosen_probes(context):
             for name, value in asdict(Preset[self.preset].settings).items():
                 if getattr(probe.pcc_probe, name) != value:
                     setattr(probe.pcc_probe, name, value)
         return {"FINISHED"}
-
-
-def _chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected probes; the active one where none is selected."""
-    selected = [item for item in context.selected_objects if item.pcc_probe.is_probe]
-    active = context.view_layer.objects.active
-    return selected or [item for item in [active] if item is not None and item.pcc_probe.is_probe]
 
 
 CLASSES = (PCC_OT_preset,)

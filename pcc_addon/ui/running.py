@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import bpy
 
+from ..blender.stepping import SteppedJob
 from ..core.errors import Cancelled, PccError
-
-
-class Job(Protocol):
-    """What is driven: as `BakeJob` and `FitJob`."""
-
-    progress: float
-    message: str
-
-    def step(self) -> bool: ...
-
-    def cancel(self) -> None: ...
-
-    def run(self) -> object: ...
 
 
 class RunsJob:
     """A base of such operators, which say how to start, what to report and how they end where they are stopped."""
 
-    _job: Job | None = None
+    _job: SteppedJob | None = None
     _timer: bpy.types.Timer | None = None
     _when_cancelled: str
 
@@ -45,7 +31,7 @@ class RunsJob:
         if ended := self._start(context):
             return ended
         try:
-            self._job.run()
+            self._job.finish()
         except PccError as error:
             self.report({"ERROR"}, str(error))
             return self._stopped()

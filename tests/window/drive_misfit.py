@@ -5,11 +5,9 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
-import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -18,6 +16,9 @@ import numpy as np
 from mathutils import Euler, Vector
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
+sys.path.insert(0, str(FOLDER))  # where the script beside this one is too
+from driving import drive  # noqa: E402
+
 UI = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.misfit"))
 VIEW = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.misfit_view"))
 FOUND: dict[str, object] = {"pictures": {}}
@@ -103,29 +104,5 @@ def steps() -> Iterator[None]:
     FOUND["forgotten"] = not VIEW._drawn
 
 
-def main() -> Callable[[], float | None]:
-    going: list[Iterator[None]] = []
-
-    def step() -> float | None:
-        window = bpy.context.window_manager.windows[0]
-        with bpy.context.temp_override(window=window):
-            try:
-                if not going:
-                    prepare(window)
-                    going.append(steps())
-                next(going[0])
-                return 0.5
-            except StopIteration:
-                FOUND["done"] = True
-            except Exception:
-                FOUND["error"] = traceback.format_exc()
-            finally:
-                (FOLDER / "misfit.json").write_text(json.dumps(FOUND), encoding="utf-8")
-            bpy.ops.wm.quit_blender()
-        return None
-
-    return step
-
-
 bpy.context.preferences.view.show_splash = False
-bpy.app.timers.register(main(), first_interval=1.0)
+drive(prepare, steps, FOUND, FOLDER / "misfit.json")

@@ -1,16 +1,14 @@
 """Runs inside a real Blender: shows the panels, keeps pictures of them, and tries what they are for.
 
-`blender FILE --python drive_panels.py -- FOLDER` writes pictures and `found.json` into the folder, and ends Blender.
+`blender FILE --python drive_panels.py -- FOLDER` writes pictures and `panels.json` into the folder, and ends Blender.
 """
 
 from __future__ import annotations
 
 import contextlib
 import glob
-import json
 import sys
-import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -18,6 +16,9 @@ import gpu
 import numpy as np
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
+sys.path.insert(0, str(FOLDER))  # where the script beside this one is too
+from driving import drive  # noqa: E402
+
 LAST_PLAN = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.last_plan"))
 FOUND: dict[str, object] = {"pictures": {}}
 _wanted = ""  # what the next drawn pictures are of
@@ -157,29 +158,5 @@ def choose(name: str) -> Iterator[None]:
     FOUND["undone"] = [group().pcc_probe.effects.weight, lookups() == before]
 
 
-def main() -> Callable[[], float | None]:
-    FOUND["started"] = True
-    going: list[Iterator[None]] = []
-
-    def step() -> float | None:
-        window = bpy.context.window_manager.windows[0]
-        with bpy.context.temp_override(window=window):
-            try:
-                if not going:
-                    prepare(window)
-                    going.append(steps())
-                next(going[0])
-                return 0.5
-            except StopIteration:
-                FOUND["done"] = True
-            except Exception:
-                FOUND["error"] = traceback.format_exc()
-            finally:
-                (FOLDER / "found.json").write_text(json.dumps(FOUND), encoding="utf-8")
-            bpy.ops.wm.quit_blender()
-        return None
-
-    return step
-
-
-bpy.app.timers.register(main(), first_interval=1.0)
+FOUND["started"] = True
+drive(prepare, steps, FOUND, FOLDER / "panels.json")

@@ -193,9 +193,6 @@ class Bench:
 
     def show(self, settings: Settings) -> None:
         """Let materials show what makes a rung's picture: the probes as they are baked, or themselves."""
-        if settings.kind is not Kind.PROBE:
-            self._drawn.restore(self._probe)
-            self._view_layer.update()
         if settings.kind is Kind.PROBE:
             if self._loaded != settings.bake_key:
                 self._load(settings)
@@ -206,7 +203,10 @@ class Bench:
             injection.inject(self._scene, self._view_layer)
             self._become(_Shows.PROBES)
             self._warm.discard(Engine.EEVEE)  # its shaders are compiled anew
-        elif self._shows is not _Shows.THEMSELVES:
+            return
+        self._drawn.restore(self._probe)
+        self._view_layer.update()
+        if self._shows is not _Shows.THEMSELVES:
             injection.remove()
             self._become(_Shows.THEMSELVES)
 

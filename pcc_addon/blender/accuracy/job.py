@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import time
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import ExitStack, closing
+from contextlib import closing
 from dataclasses import replace
 from datetime import UTC, datetime
 from os import cpu_count
@@ -29,6 +29,7 @@ from ...core.accuracy.refine import next_rung
 from ...core.accuracy.results import ResultsFolder
 from ...core.errors import PccError
 from ...core.workplace import WORKPLACE, temporary_folder
+from ..stepping import SteppedJob
 from . import truth
 from .bench import Bench, corrections, own_settings
 from .key import run_key
@@ -40,14 +41,12 @@ _SPARE = 1.0  # seconds, for choosing what comes next
 _SEED, _SEED_OF_TRUTH, _SEED_AFRESH = 11, 1000, 500_000
 
 
-class CostJob:
-    """Measures what accuracy costs in the open file. Call `step` until it returns False, or `cancel`.
+class CostJob(SteppedJob):
+    """Measures what accuracy costs in the open file; what was measured is kept however it ends.
 
     The file is changed as the measurements need it, and not changed back: open it again afterwards, or throw it away.
 
     Attributes:
-        progress: 0 … 1.
-        message: what is being done.
         notes: what the user should know, in words, in their order.
         report: what was found out so far; None before the truth is there.
     """
@@ -63,48 +62,24 @@ class CostJob:
             folder: for results; made where it is missing.
             resume: whether to go on with what was kept there.
         """
-        self.progress, self.message = 0.0, "Preparing"
+        super().__init__()
         self.notes: list[str] = []
         self.report: CostReport | None = None
         self._scene, self._view_layer, self._question = scene, view_layer, question
         self._folder, self._resume = folder, resume
-        self._stack = ExitStack()
         self._begin = time.perf_counter()
         self._before = 0.0  # seconds of the runs that this one goes on with
         self._around_bake = 0.0  # seconds of a bake that is hardly more than nothing
         self._masks: list[np.ndarray] = []
         self._truths: list[Halves] = []
-        self._work = self._run()
 
-    def step(self) -> bool:
-        """Do the next piece of work; False once all is done.
-
-        Raises:
-            PccError: the question cannot be answered, or a result cannot be kept.
-            Cancelled: the user stopped a render.
-        """
-        try:
-            self.message = next(self._work)
-        except StopIteration:
-            self._stack.close()
-            self.progress, self.message = 1.0, "Done"
-            return False
-        except BaseException:
-            self._stack.close()
-            raise
+    def _went_on(self, told: object) -> None:
+        self.message = str(told)
         self.progress = min(1.0, max(self.progress, self._elapsed / self._question.seconds))
-        return True
-
-    def cancel(self) -> None:
-        """Stop; what was measured is kept."""
-        self._work.close()
-        self._stack.close()
-        self.message = "Cancelled"
 
     def run(self) -> CostReport | None:
         """All steps at once."""
-        while self.step():
-            pass
+        self.finish()
         return self.report
 
     @property

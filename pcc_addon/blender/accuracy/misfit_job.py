@@ -24,6 +24,7 @@ from ..bake import faces
 from ..bake.capture import Stage
 from ..planning import plan_scene
 from ..read.probes import check_place, probe_spec
+from ..stepping import SteppedJob
 from .surfaces import read_triangles, sightings
 
 _TEXELS = 128  # across a face of the survey: walls are as exact with fewer, edges of things are not
@@ -59,12 +60,10 @@ class ProbeMisfit:
         return (*self.fit_lines, *self.unseen_lines)
 
 
-class MisfitJob:
-    """Surveys probes. Call `step` until it returns False, or `cancel`; the scene is changed in between.
+class MisfitJob(SteppedJob):
+    """Surveys probes.
 
     Attributes:
-        progress: 0 … 1.
-        message: what is being done.
         results: one for each probe that is finished or failed.
     """
 
@@ -72,34 +71,13 @@ class MisfitJob:
         self, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, probes: Sequence[bpy.types.Object]
     ) -> None:
         """A job that has not begun."""
-        self.progress = 0.0
-        self.message = "Preparing"
+        super().__init__()
         self.results: list[ProbeMisfit] = []
         self._scene, self._view_layer, self._probes = scene, view_layer, list(probes)
-        self._work = self._run()
-
-    def step(self) -> bool:
-        """Do the next piece of work; False once all is done. Whatever goes wrong, the scene is restored first.
-
-        Raises:
-            Cancelled: the user stopped a render.
-        """
-        try:
-            next(self._work)
-        except StopIteration:
-            self.progress, self.message = 1.0, "Done"
-            return False
-        return True
-
-    def cancel(self) -> None:
-        """Stop and restore the scene."""
-        self._work.close()
-        self.message = "Cancelled"
 
     def run(self) -> list[ProbeMisfit]:
         """All steps at once."""
-        while self.step():
-            pass
+        self.finish()
         return self.results
 
     def _run(self) -> Iterator[None]:

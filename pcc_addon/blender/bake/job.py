@@ -30,6 +30,7 @@ from ..shade import by_hand, groups, injection, interior, twin
 from ..shade.captured import seen_matt
 from ..shade.probe_group import refresh_group
 from ..shade.twin_order import TwinOrder
+from ..stepping import SteppedJob
 from ..store import levels
 from . import environment, faces
 from .capture import Stage
@@ -105,12 +106,10 @@ class _Task:
 _HELD_BYTES, _HELD_SECONDS = 2**28, 20.0
 
 
-class BakeJob:
-    """Bakes probes of a scene. Call `step` until it returns False, or `cancel`; the scene is changed in between.
+class BakeJob(SteppedJob):
+    """Bakes probes of a scene. Probes that are finished when it is stopped keep their new bakes, the others their old.
 
     Attributes:
-        progress: 0 … 1.
-        message: what is being done.
         results: one for each probe that is finished or failed.
         missing_textures: a sentence for each image file that is not there; what it covers is captured in pink.
     """
@@ -133,45 +132,18 @@ class BakeJob:
             frames: those that each probe has a picture for; `STILL` for one of the current frame; None: as last baked.
             reuse: whether pictures of sequences, and faces, that are there already are kept where nothing has changed.
         """
-        self.progress = 0.0
-        self.message = "Preparing"
+        super().__init__()
         self.results: list[BakedProbe] = []
         self._scene, self._view_layer, self._probes, self._folder = target, view_layer, list(probes), folder
         self.missing_textures: list[str] = []
         self._frames, self._reuse = frames, reuse
-        self._stack = ExitStack()
-        self._work = self._run()
 
-    def step(self) -> bool:
-        """Do the next piece of work; False once all is done and the scene is restored.
-
-        Raises:
-            BakeError: the folder cannot be written.
-        Cancelled: the user stopped a render.
-        Exception: whatever else went wrong. In every case the scene is restored first.
-        """
-        try:
-            next(self._work)
-        except StopIteration:
-            self._stack.close()
-            injection.mend(self._scene, self._view_layer)
-            self.progress, self.message = 1.0, "Done"
-            return False
-        except BaseException:
-            self._stack.close()
-            raise
-        return True
-
-    def cancel(self) -> None:
-        """Stop and restore the scene; probes already finished keep their new bakes, the others their old ones."""
-        self._work.close()
-        self._stack.close()
-        self.message = "Cancelled"
+    def _ended(self) -> None:
+        injection.mend(self._scene, self._view_layer)
 
     def run(self) -> list[BakedProbe]:
         """All steps at once."""
-        while self.step():
-            pass
+        self.finish()
         return self.results
 
     def _run(self) -> Iterator[None]:
@@ -261,19 +233,22 @@ class BakeJob:
             held = sum(task.capture.bytes_held for task in waiting)
             if task is not tasks[-1] and held < _HELD_BYTES and time.perf_counter() - begin < _HELD_SECONDS:
                 continue
-            with ExitStack() as stack:
-                surveyed = [each for each in waiting if each.capture.spec.captures_distance and not each.failed]
-                if surveyed:
-                    stack.enter_context(stage.survey())
-                for surveyed_task in surveyed:
-                    for message in self._tried(surveyed_task, faces.render_nearness(stage, surveyed_task.capture)):
-                        done += 1
-                        yield done / total, message
+            for message in self._survey(stage, waiting):
+                done += 1
+                yield done / total, message
             for held_task in waiting:
                 for message in self._tried(held_task, self._store(held_task)):
                     done += 1
                     yield done / total, message
             waiting, begin = [], time.perf_counter()
+
+    def _survey(self, stage: Stage, tasks: Sequence[_Task]) -> Iterator[str]:
+        """Capture how near things are for those that want it; yields what comes next."""
+        wanting = [task for task in tasks if task.capture.spec.captures_distance and not task.failed]
+        if wanting:
+            with stage.survey():
+                for task in wanting:
+                    yield from self._tried(task, faces.render_nearness(stage, task.capture))
 
     def _tried(self, task: _Task, work: Iterator[str]) -> Iterator[str]:
         """What a piece of work on a probe does; an error that is expected becomes the probe's result."""

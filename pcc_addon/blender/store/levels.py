@@ -66,8 +66,8 @@ def store(
         stack.enter_context(pictures.desk())
         parts = folder_for_parts(stack, folder)
         for level in described:
-            deep = level.key.kind is PictureKind.NEARNESS or not half
-            pictures.write_file(parts / level.file, levels[level.roughness], half=not deep)
+            coarse = half and level.key.kind is PictureKind.RADIANCE
+            pictures.write_file(parts / level.file, levels[level.roughness], half=coarse)
         described = tuple(replace(level, size=(parts / level.file).stat().st_size) for level in described)
         record = replace(record, levels=described)
         own = own_images(probe, holders)

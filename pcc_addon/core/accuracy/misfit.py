@@ -125,7 +125,7 @@ def misfit(spec: ProbeSpec, nearness: np.ndarray, viewers: Viewers | None = None
         raise ValueError(f"a survey of {n} texels a face is {2 * n}×{4 * n}, not {nearness.shape}")
     check(spec)
     vectors = equirect.directions(4 * n, 2 * n)
-    walls = 1.0 / nearness_of_box.along(spec, vectors)
+    walls = nearness_of_box.distances(spec.box, spec.capture_point, vectors)
     offsets = _reciprocal(nearness) - _reciprocal(nearness_of_box.of_walls(spec))
     offsets = np.where(_rings(offsets, walls, 2.0 / n), 0.0, np.maximum(offsets, -walls))
     angles = _angles(spec, vectors, walls + offsets, viewers or _everywhere(spec.box))
@@ -147,19 +147,6 @@ def check(spec: ProbeSpec) -> None:
         raise ProbeError(
             f"probe '{spec.name}': its capture point is not inside its box; move the box or its capture offset"
         )
-
-
-def distances_to_box(box: Box, points: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(…) float64: metres along vectors (…, 3) of any length from points (…, 3) in a box to its boundary; world space.
-
-    Points beyond a wall count as on it.
-    """
-    ways = vectors @ box.face_normals.T
-    ahead = np.maximum(box.half_widths - (points - box.centre) @ box.face_normals.T * np.sign(ways), 0.0)
-    steep = np.abs(ways) / np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.divide(
-        ahead, steep, out=np.full(np.broadcast_shapes(ahead.shape, steep.shape), np.inf), where=steep > 0.0
-    ).min(-1)
 
 
 def _rings(offsets: np.ndarray, walls: np.ndarray, texel: float) -> np.ndarray:
@@ -203,7 +190,7 @@ def _angles(spec: ProbeSpec, vectors: np.ndarray, distances: np.ndarray, viewers
         if normal is not None:
             faced &= rays @ normal > _GRAZING * lengths
         safe = np.where(faced[..., None], rays, 1.0)
-        far = distances_to_box(spec.box, point, safe)[..., None] / np.linalg.norm(safe, axis=-1, keepdims=True)
+        far = nearness_of_box.distances(spec.box, point, safe)[..., None] / np.linalg.norm(safe, axis=-1, keepdims=True)
         total += np.where(faced, _between(vectors, away + safe * far), 0.0)
         count += faced
     return total / np.maximum(count, 1.0)
