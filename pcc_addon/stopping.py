@@ -1,4 +1,4 @@
-"""Being asked to stop, by Ctrl+C or a scheduler's SIGTERM: heard at any time, answered between two steps of work.
+"""Being asked to stop, by Ctrl+C, SIGTERM or a closed terminal: heard at any time, answered between two steps of work.
 
 Imports nothing of Blender, whose first import takes a second in which the user may change his mind.
 """
@@ -11,13 +11,18 @@ from typing import Any
 
 from .core.errors import Cancelled
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 def hold() -> None:
     """Let the signals wait until a `Stop` can hear them, where the system can do that."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+
+
+def _is_outlived(number: int) -> bool:
+    """Whether a signal is one that whoever started us, as `nohup` does, wants us to outlive."""
+    return number == getattr(signal, "SIGHUP", None) and signal.getsignal(number) == signal.SIG_IGN
 
 
 class Stop:
@@ -34,7 +39,7 @@ class Stop:
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> Stop:
-        self._before = {number: signal.signal(number, self._hear) for number in _SIGNALS}
+        self._before = {number: signal.signal(number, self._hear) for number in _SIGNALS if not _is_outlived(number)}
         if hasattr(signal, "pthread_sigmask"):
             signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
         return self

@@ -9,11 +9,12 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import TextIO
 
 from ..core.errors import Cancelled, PccError
 from ..quiet import quiet_blender
 from ..stopping import Stop, hold
-from .arguments import USAGE, check_paths, parser
+from .arguments import USAGE, check_paths, parse
 from .voice import Voice
 
 DONE, FAILED, CANCELLED = 0, 1, 130
@@ -22,7 +23,7 @@ DONE, FAILED, CANCELLED = 0, 1, 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run with Blender as a module; returns the exit code."""
     hold()
-    options = parser(file_is_open=False).parse_args(argv)
+    options = parse(argv, file_is_open=False)
     with quiet_blender() as out:
         try:
             import bpy  # noqa: F401 — the first import writes to standard output
@@ -34,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         register()
         with Stop() as stop:
             try:
-                return _run(options, Voice(out, options.json), stop)
+                return _run(options, _voice(out, options), stop)
             finally:
                 unregister()  # Blender 4.5 as a module crashes at exit where types are left registered
 
@@ -44,19 +45,39 @@ def run_in_blender(argv: list[str]) -> int:
     import bpy
 
     try:
-        options = parser(file_is_open=bool(bpy.data.filepath)).parse_args(argv)
+        options = parse(argv, file_is_open=bool(bpy.data.filepath))
     except SystemExit as stop:  # Blender must end its own way
         return int(stop.code or 0)
     with quiet_blender() as out, Stop() as stop:
-        return _run(options, Voice(out, options.json), stop)
+        return _run(options, _voice(out, options), stop)
+
+
+def _voice(out: TextIO, options: argparse.Namespace) -> Voice:
+    return Voice(out, options.json, attended=bool(options.attended))
 
 
 def _run(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
+    """Do a command on one file after the other; whatever goes wrong with one, the others have their turn."""
+    worst = DONE
+    for file in options.files:
+        options.file = file
+        if len(options.files) > 1:
+            voice.begin_file(str(options.file))
+        code = _run_on_file(options, voice, stop)
+        if code == CANCELLED:
+            return code
+        worst = max(worst, code)
+    return worst
+
+
+def _run_on_file(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     from . import commands
 
     try:
         stop.check()
         check_paths(options)
+        if options.attended:
+            commands.attend(options.attended)
         if options.file is not None:
             commands.open_file(options.file)
         stop.check()

@@ -16,8 +16,9 @@ from ..core.accuracy.advice import Advice, advice
 from ..core.accuracy.page import write_page
 from ..core.accuracy.plotting import draw_plots
 from ..core.accuracy.records import CostReport, Measurement
-from ..core.errors import Cancelled, PccError
+from ..core.errors import PccError
 from ..core.probe import Engine
+from ..core.workplace import real
 from ..stopping import Stop
 from .voice import Voice
 
@@ -28,7 +29,7 @@ def run(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     """Measure, say what follows, and apply it where that is asked for."""
     scene, view_layer = bpy.context.scene, bpy.context.view_layer
     blend = Path(bpy.data.filepath)
-    folder = options.out.resolve() if options.out else applying.results_folder(blend)
+    folder = real(options.out) if options.out else applying.results_folder(blend)
     question = Question(
         probe=options.probe,
         camera=options.camera,
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace, voice: Voice, stop: Stop) -> int:
     )
     job = CostJob(scene, view_layer, question, folder, resume=options.resume)
     try:
-        _drive(job, voice, stop, heard=bool(options.called))
+        _drive(job, voice, stop)
     except BaseException:
         job.cancel()
         if job.report is not None:
@@ -77,20 +78,11 @@ def _write_results(report: CostReport, folder: Path, voice: Voice) -> None:
     voice.event("results", f"results are in {folder}; open {shown.name}", folder=str(folder), page=str(shown))
 
 
-def _drive(job: CostJob, voice: Voice, stop: Stop, *, heard: bool) -> None:
-    """Do all steps, and tell what comes of them.
-
-    Args:
-        job: to do.
-        voice: tells.
-        stop: asked between steps.
-        heard: whether it is all for somebody who listens; without them it ends.
-    """
+def _drive(job: CostJob, voice: Voice, stop: Stop) -> None:
+    """Do all steps, and tell what comes of them."""
     told, noted, truth_told = 0, 0, False
     while job.step():
         stop.check()
-        if heard and voice.lost is not None:
-            raise Cancelled("the Blender that asked for this is gone")
         for note in job.notes[noted:]:
             voice.event("note", note, note=note)
         noted = len(job.notes)

@@ -10,6 +10,7 @@ from ..blender.accuracy.misfit_job import MisfitJob, ProbeMisfit
 from ..core.accuracy.misfit_files import write_pictures
 from ..core.accuracy.misfit_records import record
 from ..core.errors import PccError
+from ..core.workplace import real
 from ..stopping import Stop
 from .chosen import chosen_probes
 from .voice import Voice
@@ -50,5 +51,5 @@ def _tell(result: ProbeMisfit, options: argparse.Namespace, voice: Voice) -> Non
         "misfit", text, probe=result.probe, lines=list(result.lines), seconds=round(result.seconds, 3), **details
     )
     if options.out is not None:
-        for path in write_pictures(result.misfit, result.unseen, options.out.resolve()):
+        for path in write_pictures(result.misfit, result.unseen, real(options.out)):
             voice.event("picture", f"wrote {path}", probe=result.probe, file=str(path))

@@ -1,11 +1,7 @@
-"""Every fault is one line that names the thing and the remedy; nothing is damaged."""
+"""Every fault is one line that names the thing and the remedy; nothing is damaged. Disks and files: `tests/faults`."""
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -26,33 +22,6 @@ def blend(tmp_path: Path) -> Path:
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     bpy.ops.wm.read_factory_settings(use_empty=True)
     return path
-
-
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 256 KiB."""
-    yield from _mounted(tmp_path / "small", "size=256k")
-
-
-@pytest.fixture
-def disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 4 MiB."""
-    yield from _mounted(tmp_path / "disk", "size=4m")
-
-
-@pytest.fixture
-def read_only_disk(tmp_path: Path) -> Iterator[Path]:
-    yield from _mounted(tmp_path / "fixed", "ro")
-
-
-def _mounted(place: Path, options: str) -> Iterator[Path]:
-    place.mkdir()
-    if os.name != "posix" or os.geteuid() != 0:
-        pytest.skip("mounting a small disk needs root on Linux")
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(place)], capture_output=True).returncode:
-        pytest.skip("this system does not let us mount a tmpfs")
-    yield place
-    subprocess.run(["umount", str(place)], check=True)
 
 
 def run(capfd: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, list[str]]:
@@ -202,51 +171,3 @@ def test_a_missing_texture_is_named_and_the_bake_goes_on(capfd: pytest.CaptureFi
     code, lines = run(capfd, "bake", blend, *FAST, "--allow-missing-textures")
     assert code == 0
     assert list(blend.with_suffix(".pcc").glob("*.exr"))
-
-
-def test_a_full_disk_leaves_the_old_bake_whole(
-    capfd: pytest.CaptureFixture[str], blend: Path, small_disk: Path
-) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(blend))
-    bpy.context.scene.pcc.folder = str(small_disk)
-    bpy.ops.wm.save_mainfile()
-    assert run(capfd, "bake", blend, *FAST, "--save")[0] == 0
-    with pytest.raises(OSError), (small_disk / "filler").open("wb", buffering=0) as filler:
-        while filler.write(bytes(4096)) == 4096:
-            pass
-        raise OSError
-    before = {p.name: p.read_bytes() for p in small_disk.iterdir()}
-    code, lines = run(capfd, "bake", blend, "--resolution", "32", "--samples", "1", "--save")
-    assert code == 1 and len(lines) == 1 and "free space" in lines[0]
-    assert {p.name: p.read_bytes() for p in small_disk.iterdir()} == before
-
-
-def test_a_full_disk_leaves_the_file_before_whole(capfd: pytest.CaptureFixture[str], blend: Path, disk: Path) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(blend))
-    bpy.context.scene.pcc.folder = str(blend.parent / "pictures")
-    place = disk / "hall.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(place))
-    before = place.read_bytes()
-    with (disk / "filler").open("wb", buffering=0) as filler:
-        filler.write(bytes(shutil.disk_usage(disk).free - len(before) // 2))
-    code, lines = run(capfd, "bake", place, *FAST, "--save")
-    assert code == 1 and len(lines) == 1 and "cannot be saved" in lines[0] and "free space" in lines[0]
-    assert place.read_bytes() == before
-    assert sorted(path.name for path in disk.iterdir()) == ["filler", "hall.blend"]
-    assert run(capfd, "status", place)[0] == 0
-
-
-def test_a_read_only_folder_is_told_before_rendering(
-    capfd: pytest.CaptureFixture[str], blend: Path, read_only_disk: Path
-) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(blend))
-    bpy.context.scene.pcc.folder = str(read_only_disk)
-    bpy.ops.wm.save_mainfile()
-    code, lines = run(capfd, "bake", blend, *FAST)
-    assert code == 1 and len(lines) == 1 and str(read_only_disk) in lines[0]
-
-
-def test_a_folder_that_is_a_file_is_told(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
-    blend.with_suffix(".pcc").write_text("in the way")
-    code, lines = run(capfd, "bake", blend, *FAST)
-    assert code == 1 and len(lines) == 1 and "choose another folder" in lines[0]

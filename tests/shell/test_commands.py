@@ -61,8 +61,20 @@ def test_bake_inject_status_remove_round_trip(capfd: pytest.CaptureFixture[str],
     assert code == 0 and not [line for line in lines if line["event"] == "baked"]
     code, lines = events(capfd, "remove", blend, "--save")
     assert [line["material"] for line in lines if line["event"] == "restored"] == ["Mirror"]
-    code, lines = events(capfd, "inject", blend)
-    assert code == 0 and "Mirror" in {line.get("material") for line in lines}
+    for again in (("inject", blend), ("bake", blend, "--probe", "Room", "--stale", "--inject")):
+        code, lines = events(capfd, *again)
+        assert code == 0 and "Mirror" in {line["material"] for line in lines if line["event"] == "injected"}
+
+
+def test_locked_probes_are_baked_by_name_alone(capfd: pytest.CaptureFixture[str], blend: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.data.objects["Other"].pcc_probe.locked = True
+    bpy.ops.wm.save_mainfile()
+    for arguments, baked in (((), ["Room"]), (("--stale",), ["Room"]), (("--probe", "Other"), ["Other"])):
+        code, lines = events(capfd, "bake", blend, *FAST, *arguments)
+        assert code == 0 and [line["probe"] for line in lines if line["event"] == "baked"] == baked
+        told = [line["note"] for line in lines if line["event"] == "note"]
+        assert any("'Other' is left as it is: it is locked" in note for note in told) == (baked == ["Room"])
 
 
 def test_a_picture_is_shown_instead_of_a_bake(capfd: pytest.CaptureFixture[str], blend: Path, tmp_path: Path) -> None:

@@ -99,6 +99,7 @@ def test_people_read_sentences(capfd: pytest.CaptureFixture[str], blend: Path) -
     assert code == 1 and "'Attic'" in lines[-1]["error"]
 
 
+@pytest.mark.heavy
 def test_what_a_fit_does_to_the_picture_is_measured(
     capfd: pytest.CaptureFixture[str], blend: Path, monkeypatch
 ) -> None:

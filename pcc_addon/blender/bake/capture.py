@@ -25,7 +25,7 @@ _SENSOR = 36.0
 _RAYS_OF_AN_OBJECT = 32
 # Probes whose faces one render gives: what it costs whatever it shows is shared by so many. Not more, since nobody can
 # stop it meanwhile (all its probes go over at most so many objects: seconds) and since all its pixels are held at once.
-_TOGETHER, _OBJECTS_TOGETHER, _PIXELS_TOGETHER = 32, 2**16, 2**22
+_TOGETHER, _OBJECTS_TOGETHER, _PIXELS_TOGETHER = 32, 2**17, 2**22
 
 
 class Stage:
@@ -43,6 +43,7 @@ class Stage:
         probes: Sequence[ProbeSpec],
         at_once: int = 0,
         faces: Mapping[str, Sequence[str]] | None = None,
+        most_seconds: float = 0.0,
     ) -> None:
         """A stage for some probes.
 
@@ -52,6 +53,7 @@ class Stage:
             probes: all that will be captured, in order; faces of the next ones may be rendered with those of one.
             at_once: of how many probes `expect` will be told at most.
             faces: by a probe's name the names of those that will be asked for; of others all are.
+            most_seconds: after which Cycles gives a picture as it is then, too noisy to be kept; 0: never.
         """
         self.scene = scene
         self.view_layer = view_layer
@@ -59,7 +61,7 @@ class Stage:
         compat.detach_compositor(stack, scene)
         self._renderer = Renderer(stack, scene, view_layer)
         _quiet_render(stack, scene)
-        _set_engines(stack, scene)
+        _set_engines(stack, scene, most_seconds)
         _show_as_reflected(stack, scene, view_layer)
         view_layer.update()
         self._things = len(view_layer.depsgraph.object_instances)
@@ -141,14 +143,19 @@ class Stage:
             self.scene.camera = self._cameras[index]
             return _checked(what, self._renderer.picture(what).pixels, settings)
         if (probe, settings, index) not in self._ready:
-            self._render_together(probe, settings)
+            self._render_together(probe, settings, FACES[index])
         return self._ready.pop((probe, settings, index))
 
-    def _render_together(self, probe: ProbeSpec, settings: RenderSettings) -> None:
-        """Render the faces of a probe, and those of probes that come after it and are captured alike."""
+    def _render_together(self, probe: ProbeSpec, settings: RenderSettings, asked: Face) -> None:
+        """Render a face of a probe, its others, and those of probes that come after it and are captured alike."""
         begin = time.perf_counter()
         probes = self._alike(probe, settings)
-        views = [(each, face) for each in probes for face in FACES if self._is_asked_for(each, face)]
+        views = [
+            (each, face)
+            for each in probes
+            for face in FACES
+            if self._is_asked_for(each, face) or (each is probe and face is asked)
+        ]
         self._place_cameras(views)
         what = f"probe '{probe.name}': its faces"
         pictures = self._renderer.views(what, self._cameras[: len(views)])
@@ -257,11 +264,11 @@ def _quiet_render(stack: ExitStack, scene: bpy.types.Scene) -> None:
         override(stack, render, name, value)
 
 
-def _set_engines(stack: ExitStack, scene: bpy.types.Scene) -> None:
+def _set_engines(stack: ExitStack, scene: bpy.types.Scene, most_seconds: float) -> None:
     """What either engine would add to or take from the radiance."""
     override(stack, scene.eevee, "use_overscan", False)
     for name, value in (
-        ("time_limit", 0.0),
+        ("time_limit", most_seconds),
         ("film_exposure", 1.0),
         ("pixel_filter_type", "BOX"),
         ("film_transparent_glass", False),

@@ -12,6 +12,7 @@ import numpy as np
 from ...core import equirect, radiance
 from ...core.cubemap import FACES
 from ...core.errors import ProbeError
+from ...core.kept_faces import NOWHERE, KeptFace, KeptProbe
 from ...core.picture_files import picture_files
 from ...core.probe import ProbeSpec, Source
 from ..overrides import override, temporary
@@ -47,14 +48,16 @@ def steps(source: Source) -> int:
     return 1 if source is Source.IMAGE else len(FACES)
 
 
-def take(spec: ProbeSpec, scene: bpy.types.Scene) -> Generator[str, None, Environment]:
+def take(spec: ProbeSpec, scene: bpy.types.Scene, kept: KeptProbe = NOWHERE) -> Generator[str, None, Environment]:
     """The picture of a probe that is not captured in its box; yields what comes next.
+
+    Renders of the world may be kept until the bake is whole.
 
     Raises:
         PccError: a file cannot be read or has no layout that is known, or the world cannot be rendered.
     """
     if spec.source is Source.WORLD:
-        return (yield from _world(spec, scene))
+        return (yield from _world(spec, scene, kept))
     files = picture_files(spec.name, spec.picture)
     yield f"reading {files[0].name}"
     try:
@@ -63,7 +66,7 @@ def take(spec: ProbeSpec, scene: bpy.types.Scene) -> Generator[str, None, Enviro
         raise ProbeError(f"probe '{spec.name}': {error}") from error
 
 
-def _world(spec: ProbeSpec, scene: bpy.types.Scene) -> Generator[str, None, Environment]:
+def _world(spec: ProbeSpec, scene: bpy.types.Scene, kept: KeptProbe) -> Generator[str, None, Environment]:
     """Six renders of a scene that holds nothing but the world, turned from the world's axes to the box's."""
     faces, replaced = [], []
     with ExitStack() as stack:
@@ -76,9 +79,13 @@ def _world(spec: ProbeSpec, scene: bpy.types.Scene) -> Generator[str, None, Envi
         stage = Stage(stack, empty, empty.view_layers[0], [spec])
         stage.aim(stack, spec)
         for index, face in enumerate(FACES):
-            yield f"world, face {face.name}"
-            picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
-            faces.append(picture)
-            replaced += [str(bad)] if bad else []
+            found = kept.take(face.name)
+            if found is None:
+                yield f"world, face {face.name}"
+                picture, bad = radiance.clean(index, stage.face(spec, index), OVERSCAN)
+                found = KeptFace(picture, (str(bad),) if bad else ())
+                kept.keep(face.name, found)
+            faces.append(found.picture)
+            replaced += found.words
     axes = np.linalg.inv(spec.box.face_normals)
     return Environment(equirect.from_faces(faces, OVERSCAN, axes=axes), tuple(replaced))

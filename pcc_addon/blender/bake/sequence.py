@@ -12,6 +12,7 @@ import bpy
 
 from ...core.errors import Cancelled, PccError
 from ...core.frames import spans
+from ...core.kept_faces import NOWHERE, KeptProbe
 from ...core.probe import ProbeSpec
 from ...core.probe_plan import ProbePlan
 from ...core.sequence import SequencePlan, plan_sequence
@@ -22,12 +23,16 @@ from ..read.fingerprint import SceneFingerprint
 from ..read.frames import visit
 from ..read.holders import Holders
 from ..read.probes import bake_record, check_place, check_seen, probe_spec
+from ..store.pictures import pictures_folder
 from ..store.sequences import Reel, Shown, check_packing, known_pictures
 from . import environment, faces
 from .capture import Stage
 from .faces import Capture
+from .going_on import GoingOn
 
 Show = Callable[[bpy.types.Object, ProbePlan], None]
+Told = tuple[float, str, str]
+"""How much of some work is done, for which probe comes what is next (empty: for several), and what."""
 
 
 @dataclass
@@ -54,6 +59,7 @@ class Film:
     _specs: list[ProbeSpec] = field(default_factory=list, init=False)
     _hashes: list[str] = field(default_factory=list, init=False)
     _known: dict[str, Shown] = field(default_factory=dict, init=False)
+    _before: Path | None = field(default=None, init=False)
     _needs: SequencePlan | None = field(default=None, init=False)
     _reel: Reel | None = field(default=None, init=False)
 
@@ -81,9 +87,9 @@ class Film:
         return len(self._needs.missing) if self._needs else 0
 
     @property
-    def steps(self) -> int:
-        """Pieces of work, but for reading."""
-        return faces.steps(Capture(self._specs[0]), self.roughnesses) * self.rendered if self._specs else 0
+    def work(self) -> float:
+        """As `faces.work`, of all pictures."""
+        return faces.work(Capture(self._specs[0]), self.roughnesses) * self.rendered if self._specs else 0.0
 
     def look(self, view_layer: bpy.types.ViewLayer, scene: bpy.types.Scene, fingerprint: SceneFingerprint) -> None:
         """Note what the probe sees at the frame where the scene is.
@@ -98,6 +104,11 @@ class Film:
         self._specs.append(spec)
         self._hashes.append(fingerprint.content_hash(spec))
 
+    @property
+    def content_hash(self) -> str:
+        """Of what its first picture shows."""
+        return self._hashes[0]
+
     def decide(self, stack: ExitStack, folder: Path | None, reuse: bool) -> None:
         """Find out which pictures are missing, and make a place for them.
 
@@ -106,7 +117,8 @@ class Film:
         """
         place = check_packing(self.name, folder)
         record = bake_record(self.probe) if reuse else None
-        self._known = known_pictures(self.probe, record, place, self.roughnesses)
+        self._before = pictures_folder(self.probe) or place
+        self._known = known_pictures(self.probe, record, self._before, self.roughnesses)
         points = [_point(spec) for spec in self._specs]
         self._needs = plan_sequence(self.frames, self._hashes, points, self._known)
         self._reel = Reel(stack, self.probe, place, self.roughnesses)
@@ -118,9 +130,11 @@ class Film:
     def spec_at(self, frame: int) -> ProbeSpec:
         return self._specs[self.frames.index(frame)]
 
-    def take(self, stage: Stage, frame: int, number: int, view_layer: bpy.types.ViewLayer) -> Iterator[str]:
+    def take(
+        self, stage: Stage, frame: int, number: int, view_layer: bpy.types.ViewLayer, kept: KeptProbe
+    ) -> Iterator[str]:
         """Render a picture at the frame where the scene is; yields what comes next."""
-        capture = Capture(self.spec_at(frame))
+        capture = Capture(self.spec_at(frame), kept=kept)
         yield from faces.render(stage, capture)
         shown = yield from faces.levels_of(capture, self.roughnesses)
         yield "storing"
@@ -130,18 +144,21 @@ class Film:
         self.seconds += capture.seconds  # what its faces took while another probe's were asked for
         self._reel.add(number, shown)
 
-    def store(self, holders: Holders) -> None:
-        """Let the probe show all its pictures.
+    def hash_at(self, frame: int) -> str:
+        return self._hashes[self.frames.index(frame)]
+
+    def store(self, holders: Holders, folder: Path | None) -> None:
+        """Let the probe show all its pictures, which are in a folder.
 
         Raises:
             PccError: they cannot be stored; the old bake stays.
         """
         for number, content_hash in enumerate(self._needs.hashes):
             if number not in self._needs.missing:
-                self._reel.reuse(number, self._known[content_hash])
+                self._reel.reuse(number, self._known[content_hash], self._before)
         record = Sidecar.of_bake(
             self._specs[0],
-            ensure_uid(self.probe, holders),
+            ensure_uid(self.probe, holders, folder),
             seconds=round(self.seconds, 3),
             content_hash=self._hashes[0],
             blender=bpy.app.version_string,
@@ -167,7 +184,9 @@ class Sequences:
         folder: Path | None,
         reuse: bool,
         holders: Holders,
+        going: GoingOn | None = None,
     ) -> None:
+        self._going = going
         self._stack, self._scene, self._view_layer, self._folder, self._reuse = stack, scene, view_layer, folder, reuse
         self._holders = holders
         self.films: list[Film] = []
@@ -175,18 +194,16 @@ class Sequences:
         self.at_once = 0
 
     @property
-    def steps(self) -> int:
-        """Pieces of work that `bake` does."""
-        return sum(film.steps for film in self.films)
+    def work(self) -> float:
+        """What `bake` does, as `faces.work`."""
+        return sum(film.work for film in self.films)
 
     def take_finished(self) -> list[Film]:
         """Those that have a new bake, or never will, since this was last asked."""
         found, self._finished = self._finished, []
         return found
 
-    def read(
-        self, probes: Sequence[tuple[bpy.types.Object, tuple[int, ...], ProbePlan]]
-    ) -> Iterator[tuple[float, str]]:
+    def read(self, probes: Sequence[tuple[bpy.types.Object, tuple[int, ...], ProbePlan]]) -> Iterator[Told]:
         """Go through all frames and decide what to render; yields how much of that is done and what comes next.
 
         Afterwards the scene is where it was.
@@ -199,7 +216,7 @@ class Sequences:
         for k, frame in enumerate(frames):
             looking = [film for film in self.films if frame in film.frames]
             if looking:
-                yield k / len(frames), f"frame {frame}: reading the scene"
+                yield k / len(frames), "", f"frame {frame}: reading the scene"
                 visit(self._scene, self._view_layer, frame)
                 fingerprint = SceneFingerprint(self._scene, self._view_layer)
                 for film in looking:
@@ -209,14 +226,14 @@ class Sequences:
             self._attempt(film, film.decide, self._stack, self._folder, self._reuse)
         self.at_once = len(self.films)
 
-    def bake(self, stage: Stage, show: Show) -> Iterator[tuple[float, str]]:
+    def bake(self, stage: Stage, show: Show) -> Iterator[Told]:
         """Render what is missing, frame by frame, and store it; yields how much is done and what comes next.
 
         Args:
             stage: made ready.
             show: lets everything that shows a probe show its new bake.
         """
-        done, total = 0, max(self.steps, 1)
+        done, total = 0.0, max(self.work, 1.0)
         at = (self._scene.frame_current, self._scene.frame_subframe)
         missing = sorted((frame, number, k) for k, film in enumerate(self.films) for frame, number in film.missing())
         films = list(self.films)
@@ -225,17 +242,27 @@ class Sequences:
             visit(self._scene, self._view_layer, frame)
             stage.expect([film.spec_at(frame) for film, _ in here])
             for film, number in here:
-                for message in self._tried(film, film.take(stage, frame, number, self._view_layer), frame):
-                    done += 1
-                    yield done / total, f"frame {frame}, {film.name}: {message}"
+                capture, kept = Capture(film.spec_at(frame)), self._kept(film, frame)
+                taken = film.take(stage, frame, number, self._view_layer, kept)
+                for k, message in enumerate(self._tried(film, taken, frame)):
+                    done += faces.weight(capture) if k < faces.renders(capture) else 1.0
+                    yield done / total, film.name, f"frame {frame}, {film.name}: {message}"
         visit(self._scene, self._view_layer, *at)
         for film in list(self.films):
-            yield 1.0, f"{film.name}: storing {film.pictures} pictures"
-            self._attempt(film, film.store, self._holders)
+            yield 1.0, film.name, f"{film.name}: storing {film.pictures} pictures"
+            self._attempt(film, film.store, self._holders, self._folder)
             self._attempt(film, show, film.probe, film.plan)
             if film.error is None:
+                if self._going:
+                    self._going.forget([film.probe])
                 self.films.remove(film)
                 self._finished.append(film)
+
+    def _kept(self, film: Film, frame: int) -> KeptProbe:
+        """Where the faces of a frame are kept."""
+        if self._going is None:
+            return NOWHERE
+        return self._going.faces_of(film.probe, self._holders, film.hash_at(frame))
 
     def _tried(self, film: Film, work: Iterator[str], frame: int) -> Iterator[str]:
         """What a piece of work on a probe does; an error that is expected becomes what is said of it."""

@@ -15,10 +15,12 @@ from ...core.errors import BakeError
 from ...core.pictures import NEARNESS, PictureKey, PictureKind
 from ...core.prefilter import prefilter
 from ...core.radiance import as_half
+from ...core.workplace import real
+from ..properties import PCC_BakedLevel
 from ..read.holders import Holders
 from ..read.probes import bake_record, check_own
-from . import leftovers, pictures, sequences
-from .keeping import cannot_write, folder_for_parts, keep, linked, own_images, packed, rename_pictures, rung
+from . import pictures, sequences
+from .keeping import folder_for_parts, linked, rename_pictures, rung, take_in
 
 
 def bake_folder(scene: bpy.types.Scene, blend: str | None = None) -> Path | None:
@@ -27,10 +29,10 @@ def bake_folder(scene: bpy.types.Scene, blend: str | None = None) -> Path | None
     chosen = scene.pcc.folder
     if chosen and (blend or not chosen.startswith("//")):
         start = str(Path(blend).parent) if blend else None
-        return Path(bpy.path.abspath(chosen, start=start)).resolve()
+        return real(bpy.path.abspath(chosen, start=start))
     if not blend:
         return None
-    return Path(blend).resolve().with_suffix(".pcc")
+    return real(blend).with_suffix(".pcc")
 
 
 def store(
@@ -39,6 +41,8 @@ def store(
     levels: dict[float, np.ndarray],
     folder: Path | None,
     holders: Holders | None = None,
+    *,
+    durable: bool = False,
 ) -> None:
     """Write a probe's pictures and sidecar aside and move them into place; its shader is for the caller to refresh.
 
@@ -48,6 +52,7 @@ def store(
         levels: pictures (h, 2h, 3) by roughness, with 0 for the capture itself, and `NEARNESS` for how near things are.
         folder: where to; None packs the pictures into the .blend.
         holders: who shows which pictures, where that was asked before.
+        durable: whether to wait until the disk has them.
 
     Raises:
         BakeError: the folder or a file cannot be written; what was there before is untouched.
@@ -69,25 +74,7 @@ def store(
             coarse = half and level.key.kind is PictureKind.RADIANCE
             pictures.write_file(parts / level.file, levels[level.roughness], half=coarse)
         described = tuple(replace(level, size=(parts / level.file).stat().st_size) for level in described)
-        record = replace(record, levels=described)
-        own = own_images(probe, holders)
-        if folder is None:
-            images = {
-                level.roughness: packed(parts / level.file, own.get(rung(level.roughness)), probe, level)
-                for level in described
-            }
-        else:
-            name = f"{stem}.json"
-            try:
-                (parts / name).write_text(record.to_json(), encoding="utf-8")
-                names = [*(level.file for level in described), name]
-                new = [folder / name for name in names if not (folder / name).exists()]
-                sidecar.move_into_place(parts, folder, names)
-                leftovers.wrote(new)
-            except OSError as error:
-                raise BakeError(cannot_write(probe, folder, error)) from error
-            images = linked(folder, described, own, probe)
-    keep(probe, record, images, holders)
+        take_in(probe, replace(record, levels=described), parts, folder, holders, durable=durable)
 
 
 def _described(stem: str, key: PictureKey, roughness: float, picture: np.ndarray) -> sidecar.Level:
@@ -128,6 +115,38 @@ def ensure_levels(
     store(probe, record, pictures_now, folder)
 
 
+def find_again(probe: bpy.types.Object, folder: Path | None) -> None:
+    """Load the pictures that a probe has no more, as undo took them; blurred ones whose files are gone it forgets.
+
+    Args:
+        probe: the probe object.
+        folder: where its pictures go.
+
+    Raises:
+        PccError: its record is damaged.
+    """
+    settings, record = probe.pcc_probe, bake_record(probe)
+    lost = {rung(level.roughness) for level in settings.levels if level.image is None}
+    if record is None or not lost:
+        return
+    files = [level for level in record.levels if rung(level.roughness) in lost]
+    there = [level for level in files if folder is not None and (folder / level.file).is_file()]
+    with pictures.desk():
+        found = {rung(level): image for level, image in linked(folder, there, {}, probe).items()} if there else {}
+    needed = {rung(0.0), rung(NEARNESS)}  # status tells of these
+    for index in reversed(range(len(settings.levels))):
+        level = settings.levels[index]
+        key = rung(level.roughness)
+        if level.image is None and key in found:
+            level.image = found[key]
+        elif level.image is None and key not in needed:
+            settings.levels.remove(index)
+    gone = (lost - set(found)) - needed
+    kept = tuple(level for level in record.levels if rung(level.roughness) not in gone)
+    if len(kept) < len(record.levels):
+        settings.bake_record = replace(record, levels=kept).to_json()
+
+
 def check_folder(folder: Path | None) -> None:
     """Make sure that a bake can be stored, before hours of rendering.
 
@@ -136,6 +155,19 @@ def check_folder(folder: Path | None) -> None:
     """
     with ExitStack() as stack:
         folder_for_parts(stack, folder)
+
+
+def picture_rows(probe: bpy.types.Object, level: PCC_BakedLevel) -> int:
+    """The rows of a probe's picture, which is read only where the bake's record does not know it.
+
+    Raises:
+        BakeError: it is missing or cannot be read, or has no equirectangular shape, or the record is damaged.
+    """
+    record = bake_record(probe)
+    for known in record.levels if record is not None else ():
+        if known.size and rung(known.roughness) == rung(level.roughness) and level.image:
+            return known.height if not _fault_of(level.image, known) else pictures.check_pixels(probe.name, level.image)
+    return pictures.check_pixels(probe.name, level.image)
 
 
 def faulty_picture(probe: bpy.types.Object, record: sidecar.Sidecar) -> str:
@@ -158,7 +190,7 @@ def _fault_of(image: bpy.types.Image, level: sidecar.Level) -> str:
     if image.packed_file:
         torn = level.size and image.packed_file.size != level.size
         return f"its packed picture '{image.name}' is not the one that was baked" if torn else ""
-    path = Path(bpy.path.abspath(image.filepath))
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
     if level.key.number > 0 and sidecar.file_family(path.name) == sidecar.file_family(level.file):
         path = path.with_name(level.file)
     if not path.is_file():

@@ -10,7 +10,8 @@ import bpy
 import numpy as np
 
 from ...core.errors import BakeError
-from .. import compat
+from ...core.workplace import real
+from .. import compat, unrecorded
 from ..overrides import temporary
 
 
@@ -139,6 +140,28 @@ def write_file(path: Path, picture: np.ndarray, *, half: bool = False) -> None:
             raise BakeError(_cannot_write(path, "the file came out incomplete"))
 
 
+def write_radiance(path: Path, picture: np.ndarray) -> None:
+    """Write (height, width, 3) float32 as a Radiance HDR file, whose numbers have 8 bits and a common exponent.
+
+    Raises:
+        BakeError: the file cannot be written.
+    """
+    height, width = picture.shape[:2]
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = picture
+    with ExitStack() as stack:
+        image = bpy.data.images.new("pcc", width, height, float_buffer=True, is_data=True)
+        temporary(stack, bpy.data.images, image)
+        image.pixels.foreach_set(pixels.ravel())
+        image.file_format = "HDR"
+        try:
+            image.save(filepath=str(path))
+        except RuntimeError as error:
+            raise BakeError(_cannot_write(path, error)) from error
+        if not path.is_file():
+            raise BakeError(_cannot_write(path, "nothing was written"))
+
+
 def _cannot_write(path: Path, why: object) -> str:
     return f"cannot write '{path}' ({' '.join(str(why).split())}); free space on the disk or choose another folder"
 
@@ -165,9 +188,17 @@ def load(path: Path) -> bpy.types.Image:
     A copy, since Blender goes through all shaders of the file whenever the colour space of an image is set.
     """
     with desk() as at:
-        image = at.plain(path).copy()
+        image = unrecorded.new(at.plain(path).copy)
     image.filepath_raw = blend_path(path)
     return image
+
+
+def pictures_folder(probe: bpy.types.Object) -> Path | None:
+    """Where the files of a probe's pictures are, or None where it has none."""
+    image = next((level.image for level in probe.pcc_probe.levels if level.image), None)
+    if image is None or image.packed_file:
+        return None
+    return real(bpy.path.abspath(image.filepath)).parent
 
 
 def blend_path(path: Path) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -17,9 +16,10 @@ from ...core.errors import BakeError
 from ...core.pictures import PictureKey, PictureKind
 from ...core.prefilter import prefilter
 from ...core.radiance import as_half
+from ...core.workplace import link
 from ..read.holders import Holders
-from . import leftovers, pictures
-from .keeping import cannot_write, folder_for_parts, keep, linked, own_images, rung
+from . import pictures
+from .keeping import cannot_write, folder_for_parts, rung, take_in
 
 Shown = dict[float, sidecar.Level]  # the levels of one picture, by roughness
 
@@ -71,8 +71,8 @@ class Reel:
             digest = sidecar.digest_of(picture)
             self._note(number, roughness, sidecar.Level(_NO_KEY, roughness, "", width, height, 0, digest))
 
-    def reuse(self, number: int, shown: Shown) -> None:
-        """Take the levels of a picture from files of the folder, which stay where they are.
+    def reuse(self, number: int, shown: Shown, folder: Path) -> None:
+        """Take the levels of a picture from files of a folder, which stay where they are.
 
         Raises:
             BakeError: one cannot be read or copied.
@@ -80,7 +80,7 @@ class Reel:
         for roughness in self._roughnesses:
             level = shown[roughness]
             try:
-                _link(self._folder / level.file, self._part(number, roughness))
+                link(folder / level.file, self._part(number, roughness))
             except OSError as error:
                 raise BakeError(cannot_write(self._probe, self._folder, error)) from error
             self._note(number, roughness, level)
@@ -99,23 +99,13 @@ class Reel:
         numbers = sorted(self._levels)
         described = [level for k, r in enumerate(self._roughnesses) for level in self._described(stem, k, r, numbers)]
         record = replace(record, levels=tuple(described))
-        name = f"{stem}.json"
         try:
             for level in described:
                 os.replace(self._part(level.key.number, level.roughness), self._parts / level.file)
-            (self._parts / name).write_text(record.to_json(), encoding="utf-8")
-            names = [*(level.file for level in described), name]
-            new = [self._folder / file for file in names if not (self._folder / file).exists()]
-            sidecar.move_into_place(self._parts, self._folder, names)
-            leftovers.wrote(new)
         except OSError as error:
             raise BakeError(cannot_write(self._probe, self._folder, error)) from error
-        holders = holders or Holders()
-        own = own_images(self._probe, holders)
         with pictures.desk():
-            first = [level for level in described if level.key.number == 0]
-            images = linked(self._folder, first, own, self._probe)
-        keep(self._probe, record, images, holders)
+            take_in(self._probe, record, self._parts, self._folder, holders or Holders())
 
     def _described(self, stem: str, k: int, roughness: float, numbers: Sequence[int]) -> list[sidecar.Level]:
         """One level of all pictures. Their common name depends on all of them."""
@@ -143,7 +133,7 @@ def known_pictures(
 ) -> dict[str, Shown]:
     """The pictures of a probe's last sequence that can be used again, by the hash of what they show.
 
-    Those that lack a level, or whose files are not what was baked or lie in another folder, are none.
+    Those that lack a level, or whose files are not what was baked, are none.
     """
     shown: dict[int, Shown] = {}
     wanted = {rung(roughness): roughness for roughness in roughnesses}
@@ -175,11 +165,3 @@ def add_levels(probe: bpy.types.Object, record: sidecar.Sidecar, missing: Sequen
             now |= {roughness: prefilter(now[0.0], roughness) for roughness in missing}
             reel.add(number, now)
         reel.store(record)
-
-
-def _link(file: Path, to: Path) -> None:
-    """A second name for a file; a copy where the disk has none."""
-    try:
-        os.link(file, to)
-    except OSError:
-        shutil.copyfile(file, to)
