@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Development tasks, from a clean clone and with the standard library alone.
 
-python3 dev.py demo                 bake the gallery sample, render it three ways, make one labelled picture
-python3 dev.py test [PYTEST ARG…]   run the tests (--blender 4.5|5.0|5.2, --all for every version, --heavy)
+python3 dev.py demo                 bake the gallery sample, render it four ways, make one labelled picture
+python3 dev.py test [PYTEST ARG…]   run the tests (--blender 4.5|5.0|5.2, --all for every version, --heavy for the slow
+                                    ones too; with --all the newest Blender runs everything, others a part: PARTS)
 python3 dev.py lint                 ruff: format and lint; mypy: types in core
-python3 dev.py build                build and validate the extension's zip into build/
+python3 dev.py build                build and validate the extension's zip, its manual included, into build/
+python3 dev.py release              the zip, its checksum and an index for Blender's updates into build/release/
 python3 dev.py samples              rebuild sample_blends/*.blend
 python3 dev.py run SCRIPT [ARG…]    run a script of this repository (benchmarks, docs) with Blender as a module
 
@@ -26,8 +28,12 @@ ROOT = Path(__file__).resolve().parent
 VENVS = ROOT / ".venvs"
 # Blender version: the Python that its bpy wheel is for. The last one whose Python is found is the default.
 BLENDERS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
-TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*", "flip-evaluator==1.*"]
+TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*", "flip-evaluator==1.*", "openjd-cli==0.*"]
 FIGURES = ["matplotlib==3.*", "pillow>=11"]
+PAGES = ["markdown-it-py==4.*", "mdit-py-plugins==0.5.*"]  # of the manual that the zip has
+# All Blenders but the newest run one of so many parts of the tests, each a part of its own, another with each commit.
+PARTS = 4
+HALVES = 2  # the newest one's tests are run by so many processes, as each keeps one core busy
 MEMORY_OF_A_SUITE = 4 << 30  # bytes; the heavy tests leave Blender with 3 GB
 RUFF = "ruff==0.14.*"
 TYPES = ["mypy==1.*", "numpy==2.*"]
@@ -35,15 +41,21 @@ TYPES = ["mypy==1.*", "numpy==2.*"]
 
 def main() -> int:
     parser = argparse.ArgumentParser(usage=__doc__)
-    parser.add_argument("task", choices=["demo", "test", "lint", "build", "samples", "run"])
+    parser.add_argument("task", choices=["demo", "test", "lint", "build", "release", "samples", "run"])
     parser.add_argument("--blender", choices=BLENDERS, help="which Blender version")
     parser.add_argument("--all", action="store_true", help="every supported Blender version")
     parser.add_argument("--heavy", action="store_true", help="tests: the slow ones too")
-    parser.add_argument(
-        "--at-once", type=int, help="tests of --all: how many Blenders at once (else what memory allows)"
-    )
+    parser.add_argument("--at-once", type=int, help="tests: how many suites at once (else what cores and memory allow)")
     options, rest = parser.parse_known_args()
-    tasks = {"demo": demo, "test": test, "lint": lint, "build": build, "samples": samples, "run": run}
+    tasks = {
+        "demo": demo,
+        "test": test,
+        "lint": lint,
+        "build": build,
+        "release": release,
+        "samples": samples,
+        "run": run,
+    }
     return tasks[options.task](options, rest)
 
 
@@ -52,25 +64,37 @@ def demo(options: argparse.Namespace, rest: list[str]) -> int:
 
 
 def test(options: argparse.Namespace, rest: list[str]) -> int:
-    """One suite with its output as it is; several side by side, each line with its Blender before it."""
+    """What pytest is asked for as it is; else several suites side by side, each line with whose it is before it."""
     arguments = ["-m", "pytest", *(["--heavy"] if options.heavy else []), *rest]
-    if not options.all:
+    if rest and not options.all:
         python = blender_python(options.blender)
         print(f"== tests with Blender {python.parent.parent.name.removeprefix('bpy-')}", flush=True)
         return call(python, *arguments)
-    versions = available()
+    versions = available() if options.all else [options.blender or available()[-1]]
     pythons = {version: blender_python(version) for version in versions}
-    complete = {BLENDERS[version]: version for version in reversed(versions)}.values()  # the first of each Python
-    suites = {v: [*arguments, *([] if v in complete else ["--only-with-blender"])] for v in versions}
-    at_once = options.at_once or max(1, min(len(versions), free_memory() // MEMORY_OF_A_SUITE))
-    print(f"== tests with Blender {', '.join(versions)}: {at_once} at once", flush=True)
+    names = suites(versions)
+    at_once = options.at_once or max(1, min(len(names), os.cpu_count() or 1, free_memory() // MEMORY_OF_A_SUITE))
+    print(f"== tests with Blender {', '.join(names)}: {at_once} at once", flush=True)
+
+    def run_suite(name: str) -> int:
+        return call_aloud(f"{name} | ", pythons[name.split()[0]], *arguments, *names[name])
+
     with ThreadPoolExecutor(at_once) as pool:
-        codes = list(
-            pool.map(lambda version: call_aloud(f"{version} | ", pythons[version], *suites[version]), versions)
-        )
-    for version, code in zip(versions, codes, strict=True):
-        print(f"== Blender {version}: {'passed' if code == 0 else f'FAILED with exit code {code}'}", flush=True)
+        codes = list(pool.map(run_suite, names))
+    for name, code in zip(names, codes, strict=True):
+        print(f"== Blender {name}: {'passed' if code == 0 else f'FAILED with exit code {code}'}", flush=True)
     return first_failure(codes)
+
+
+def suites(versions: list[str]) -> dict[str, list[str]]:
+    """Options of pytest by Blender and part, "5.2 1/2": all parts for the last Blender, one for each other."""
+    *others, newest = versions
+    found = {f"{newest} {k}/{HALVES}": ["--part", f"{k}/{HALVES}"] for k in range(HALVES)}
+    complete = {BLENDERS[version]: version for version in reversed(versions)}.values()  # the first of each Python
+    for k, version in enumerate(others):
+        part = f"{(commits() + k) % PARTS}/{PARTS}"
+        found[f"{version} {part}"] = ["--part", part, *([] if version in complete else ["--only-with-blender"])]
+    return found
 
 
 def lint(options: argparse.Namespace, rest: list[str]) -> int:
@@ -89,6 +113,10 @@ def build(options: argparse.Namespace, rest: list[str]) -> int:
     return call(python, "-m", "tests.packaging.extension", str(ROOT / "build"))
 
 
+def release(options: argparse.Namespace, rest: list[str]) -> int:
+    return call(blender_python(options.blender), "-m", "tests.packaging.release", str(ROOT / "build" / "release"))
+
+
 def samples(options: argparse.Namespace, rest: list[str]) -> int:
     return call(blender_python(options.blender or "4.5"), "-m", "sample_blends.build")
 
@@ -105,7 +133,7 @@ def blender_python(version: str | None) -> Path:
     interpreter = find_interpreter(BLENDERS[version])
     if interpreter is None:
         sys.exit(f"Blender {version} as a module needs Python {BLENDERS[version]}, and there is none; {HOW_TO_GET}")
-    return environment(f"bpy-{version}", interpreter, [f"bpy=={version}.*", *TOOLS, *FIGURES])
+    return environment(f"bpy-{version}", interpreter, [f"bpy=={version}.*", *TOOLS, *FIGURES, *PAGES])
 
 
 HOW_TO_GET = "install one (for example with pyenv, uv or your system's packages) and try again"
@@ -189,6 +217,15 @@ def surroundings() -> dict[str, str]:
 def first_failure(codes: list[int]) -> int:
     """0 where all are; a program that a signal ended has a negative code, which is a failure too."""
     return next((code for code in codes if code), 0)
+
+
+def commits() -> int:
+    """How many there are; 0 where this is no clone."""
+    try:
+        found = subprocess.run(["git", "rev-list", "--count", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    except OSError:
+        return 0
+    return int(found.stdout) if found.returncode == 0 else 0
 
 
 def free_memory() -> int:

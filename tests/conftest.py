@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
+from zlib import crc32
 
 import pytest
 from hypothesis import settings
@@ -21,16 +23,18 @@ settings.load_profile("default")
 
 
 WITHOUT_BLENDER = ("core", "glsl", "mutation", "vectors")  # folders; elsewhere the marker says it
+ONE_OF = 4  # cases of a sweep is run by default
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--heavy", action="store_true", help="run the tests that take minutes too")
+    parser.addoption("--part", default="0/1", metavar="K/N", help="the K-th of N parts of the tests")
     parser.addoption("--only-with-blender", action="store_true", help="leave out what every Blender answers alike")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
-        if item.path.relative_to(Path(__file__).parent).parts[0] in WITHOUT_BLENDER:
+        if _folder(item) in WITHOUT_BLENDER:
             item.add_marker("without_blender")
         if "without_blender" in item.keywords and "addon" in item.fixturenames:
             raise pytest.UsageError(f"{item.nodeid} has Blender's add-on and says that it needs no Blender")
@@ -38,11 +42,26 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         left_out = [item for item in items if "without_blender" in item.keywords]
         items[:] = [item for item in items if "without_blender" not in item.keywords]
         config.hook.pytest_deselected(items=left_out)
-    if not config.getoption("--heavy"):
-        skip = pytest.mark.skip(reason="takes minutes: run with --heavy, as CI does")
-        for item in items:
-            if "heavy" in item.keywords:
-                item.add_marker(skip)
+    part, parts = map(int, config.getoption("--part").split("/"))
+    cases: Counter[str] = Counter()
+    for item in items:
+        test = item.nodeid.partition("[")[0]
+        heavy = "heavy" in item.keywords or ("sweep" in item.keywords and cases[test] % ONE_OF != 0)
+        cases[test] += 1
+        if heavy and not config.getoption("--heavy"):
+            item.add_marker(pytest.mark.skip(reason="is heavy: run with --heavy, as CI does"))
+        elif crc32(item.nodeid.encode()) % parts != part % parts:
+            item.add_marker(pytest.mark.skip(reason=f"is not in part {part} of {parts}"))
+
+
+def _folder(item: pytest.Item) -> str:
+    return item.path.relative_to(Path(__file__).parent).parts[0]
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Name what failed at once: where Blender itself ends, nothing sums it up."""
+    if report.failed:
+        print(f"\nFAILED {report.nodeid} ({report.when})", flush=True)
 
 
 _exit_status = 0
