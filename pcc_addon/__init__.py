@@ -5,21 +5,23 @@ from __future__ import annotations
 
 def register() -> None:
     """Add the add-on's types, operators, menus, handlers and shell command to Blender."""
-    from .blender import handlers, properties
+    from .blender import handlers, judging, properties
     from .ui import registering
 
     properties.register()
     registering.register()
     handlers.register()
+    judging.register()
     _shell_command(register=True)
 
 
 def unregister() -> None:
     """Take everything back that `register` added."""
-    from .blender import handlers, properties
+    from .blender import handlers, judging, properties
     from .ui import registering
 
     _shell_command(register=False)
+    judging.unregister()
     handlers.unregister()
     registering.unregister()
     properties.unregister()

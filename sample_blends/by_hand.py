@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import bpy
 
 from pcc_addon.blender.shade.by_hand import group_for
+from pcc_addon.blender.shade.node_layout import spread
 
 from .scenes import EMISSIVE_COLORS, Room, add_box, add_camera, add_wall, emissive_checker, empty_scene
 
@@ -149,3 +150,5 @@ def _emit(tree: bpy.types.NodeTree, color: bpy.types.NodeSocket, node: bpy.types
     tree.links.new(matt.outputs[0], mixed.inputs[1])
     tree.links.new(emission.outputs[0], mixed.inputs[2])
     tree.links.new(mixed.outputs[0], output.inputs["Surface"])
+    matt.location.y = -400.0  # below the probe's node, whose three numbers take more room than links do
+    spread(tree, list(tree.nodes))

@@ -1,4 +1,4 @@
-"""`python3 dev.py demo`: bake the gallery, render its floor three ways, say what was made and how long it took."""
+"""`python3 dev.py demo`: bake the gallery, render its floor four ways, say what was made and how long it took."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pcc_addon
 from pcc_addon.quiet import quiet_blender
 
 from . import scenes
-from .three_ways import side_by_side, three_ways
+from .ways import all_ways, side_by_side
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -31,7 +31,7 @@ def main() -> int:
     with quiet_blender():
         bpy.ops.wm.save_as_mainfile(filepath=str(folder / "gallery.blend"))
     probe = bpy.data.objects["Gallery Probe"]
-    probe.pcc_probe.resolution, probe.pcc_probe.samples = 384, 24
+    probe.pcc_probe.resolution, probe.pcc_probe.samples, probe.pcc_probe.correction = 384, 24, "RELIEF"
     say(f"Baking '{probe.name}': six faces of {probe.pcc_probe.resolution} px …")
     with quiet_blender():
         baking = time.perf_counter()
@@ -39,16 +39,16 @@ def main() -> int:
         bpy.ops.pcc.inject()
         baking = time.perf_counter() - baking
     say(f"  baked and injected in {baking:.1f} s")
-    say("Rendering the floor three ways …")
+    say("Rendering the floor four ways …")
     with quiet_blender():
         scene.cycles.samples, scene.cycles.use_denoising = 32, True
-        pictures = three_ways(scene, probe, folder)
+        pictures = all_ways(scene, probe, folder)
         bpy.ops.pcc.inject()
         bpy.ops.wm.save_mainfile()
     for picture in pictures:
         say(f"  {picture.label}: {picture.seconds:.1f} s")
     sheet = folder / "demo.png"
-    side_by_side(pictures, sheet)
+    side_by_side(pictures, sheet, columns=2)
     say(f"{sheet}  (all of it took {time.perf_counter() - start:.0f} s)")
     return 0
 

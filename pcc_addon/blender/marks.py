@@ -17,6 +17,7 @@ import bpy
 Item = bpy.types.ID | bpy.types.Node
 
 BY_HAND = "by hand"  # role of a probe's group for shaders made by hand; captures see it black
+TWIN_GROUP = "copy"  # role of a user's group copied for a twin
 WINDOW = "interior"  # role of a group that shows rooms behind a pane
 ROOMS = "rooms"  # note on such a group: where its rooms come from
 VERSION = "version"  # note on a group: which version of the code built it
@@ -74,6 +75,11 @@ def original(material: bpy.types.Material) -> bpy.types.Material:
 
 def is_copy(material: bpy.types.Material) -> bool:
     return original(material) != material
+
+
+def is_foreign(item: bpy.types.ID) -> bool:
+    """Whether nothing of ours can be kept in a data block, as it is another file's: linked, or a library override."""
+    return item.library is not None or item.override_library is not None
 
 
 def forget_original(copy: bpy.types.Material) -> None:

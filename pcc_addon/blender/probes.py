@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import itertools
+import os
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +14,7 @@ import numpy as np
 from mathutils import Euler, Vector
 
 from ..core.errors import BakeError, ProbeError
+from ..core.workplace import real
 from .read.holders import Holders
 from .read.probes import bake_record
 
@@ -47,24 +51,47 @@ def add_probe(
     return probe
 
 
-def ensure_uid(probe: bpy.types.Object, holders: Holders | None = None) -> str:
-    """The probe's lasting identity; a copy of a probe gets its own, the original keeps its.
+def ensure_uid(probe: bpy.types.Object, holders: Holders | None = None, folder: Path | None = None) -> str:
+    """Give a probe its `lasting_uid`; arguments as there."""
+    holders = holders or Holders()
+    before, probe.pcc_probe.uid = probe.pcc_probe.uid, lasting_uid(probe, holders, folder)
+    if probe.pcc_probe.uid != before:
+        holders.let_go_identity(before)
+    return probe.pcc_probe.uid
+
+
+def lasting_uid(probe: bpy.types.Object, holders: Holders, folder: Path | None = None) -> str:
+    """The probe's lasting identity, or the one that it is to have; a copy gets its own, the original keeps its.
+
+    A new one is made of the probe's name and the file's place as seen from the pictures, so that it is the same at each
+    bake of a file that is not saved, and on each machine. Without files it is drawn.
 
     Args:
         probe: the probe object.
-        holders: who has which identity, where that was asked before.
+        holders: who has which identity.
+        folder: where its pictures go; None packs them.
     """
-    settings, holders = probe.pcc_probe, holders or Holders()
-    before = settings.uid
-    if not before or (holders.share_identity(before) and _baked_as(probe) != probe.name):
-        settings.uid = uuid.uuid4().hex
-        holders.let_go_identity(before)
-    return settings.uid
+    before = probe.pcc_probe.uid
+    if before and not (holders.share_identity(before) and _baked_as(probe) != probe.name):
+        return before
+    if folder is None or not bpy.data.filepath:
+        return uuid.uuid4().hex
+    blend = real(bpy.data.filepath)
+    try:
+        place = Path(os.path.relpath(blend, folder)).as_posix()
+    except ValueError:  # another drive
+        place = blend.as_posix()
+    candidates = (_uid_of(place, probe.name, str(k)) for k in itertools.count())
+    return next(uid for uid in candidates if not holders.has_identity(uid))
+
+
+def _uid_of(*words: str) -> str:
+    return hashlib.blake2b("\n".join(words).encode(), digest_size=16).hexdigest()
 
 
 def keep_pictures_found(folder: Path) -> None:
     """Name the pictures that probes are given by whole paths, where the file is about to be saved in another folder."""
-    if not bpy.data.filepath or Path(bpy.data.filepath).resolve().parent == folder:
+    if not bpy.data.filepath or real(bpy.data.filepath).parent == folder:
         return
     for probe in bpy.data.objects:
         if probe.pcc_probe.is_probe and not probe.library and probe.pcc_probe.picture.startswith("//"):

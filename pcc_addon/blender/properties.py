@@ -8,14 +8,23 @@ import bpy
 
 from ..core.decisions import OF_MATERIALS, OF_PROBES, Effect
 from ..core.effects.records import Outside
+from ..core.presets import Preset
 from ..core.probe import MAXIMUM_RESOLUTION, MINIMUM_RESOLUTION, MOST_SAMPLES, Engine, Source
+from . import box_size
 from .effect_settings import settings_class
+
+PRESETS = [
+    ("NONE", "Usual", "As probes are where nothing is chosen"),
+    *((preset.name, preset.label, preset.purpose) for preset in Preset),
+]
+"""What new probes may be set to, as items of an enumeration."""
 
 shader_listeners: list[Callable[[bpy.types.Object], None]] = []
 """Called with a probe whose settings changed that its shader depends on."""
 
-effect_listeners: list[Callable[[bpy.types.ID, Effect], None]] = []
-"""Called with a probe or a material for which an artist chose whether an effect is on."""
+effect_listeners: list[Callable[[bpy.types.ID, Effect | None], None]] = []
+"""Called with a probe or a material for which an artist chose whether an effect is on, and with a material or an object
+for which he chose which probes it shows, which is no effect."""
 
 
 def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
@@ -26,6 +35,17 @@ def _refresh_shader(settings: PCC_Probe, context: bpy.types.Context) -> None:
 def _tell_choice(owner: bpy.types.ID, effect: Effect) -> None:
     for listener in effect_listeners:
         listener(owner, effect)
+
+
+def _tell_shown(settings: PCC_Material | PCC_Object, context: bpy.types.Context) -> None:
+    for listener in effect_listeners:
+        listener(settings.id_data, None)
+
+
+def is_probe_here(settings: PCC_Material, item: bpy.types.Object) -> bool:
+    """Whether a material can choose an object for the probe that it shows."""
+    here = bpy.context.scene.objects.get(item.name) == item
+    return here and item.pcc_probe.is_probe and item.library is None
 
 
 PCC_ProbeEffects = settings_class("PCC_ProbeEffects", OF_PROBES, _tell_choice)
@@ -51,6 +71,22 @@ class PCC_Probe(bpy.types.PropertyGroup):
     """A parallax probe. The object's own transform is the box: local [−1, 1]³."""
 
     is_probe: bpy.props.BoolProperty(name="Parallax Probe", description="This empty is a parallax probe")
+    size: bpy.props.FloatVectorProperty(
+        name="Size",
+        description="Edges of the box along its own axes; the object's scale, in lengths",
+        size=3,
+        subtype="XYZ_LENGTH",
+        unit="LENGTH",
+        min=0.0,
+        get=box_size.size_of,
+        set=box_size.resize,
+        options=set(),
+    )
+    locked: bpy.props.BoolProperty(
+        name="Locked",
+        description="Bakes of all or of stale probes leave this one as it is; select or name it to bake it",
+        options=set(),
+    )
     source: bpy.props.EnumProperty(
         name="Source",
         description="Where the probe's pictures come from",
@@ -147,6 +183,8 @@ class PCC_Probe(bpy.types.PropertyGroup):
         size=3,
         subtype="XYZ",
         unit="LENGTH",
+        soft_min=-10.0,
+        soft_max=10.0,
         update=_refresh_shader,
     )
     influence_high: bpy.props.FloatVectorProperty(
@@ -156,6 +194,8 @@ class PCC_Probe(bpy.types.PropertyGroup):
         size=3,
         subtype="XYZ",
         unit="LENGTH",
+        soft_min=-10.0,
+        soft_max=10.0,
         update=_refresh_shader,
     )
     falloff_per_face: bpy.props.BoolProperty(
@@ -171,6 +211,7 @@ class PCC_Probe(bpy.types.PropertyGroup):
         unit="LENGTH",
         default=(0.25, 0.25, 0.25),
         min=0.0,
+        soft_max=10.0,
         update=_refresh_shader,
     )
     falloff_high: bpy.props.FloatVectorProperty(
@@ -181,6 +222,7 @@ class PCC_Probe(bpy.types.PropertyGroup):
         unit="LENGTH",
         default=(0.25, 0.25, 0.25),
         min=0.0,
+        soft_max=10.0,
         update=_refresh_shader,
     )
     normal_fade: bpy.props.FloatProperty(
@@ -205,6 +247,8 @@ class PCC_Probe(bpy.types.PropertyGroup):
         name="Priority",
         description="Where boxes overlap the probe with the higher priority is shown; of equal ones the smaller box, "
         "then the nearer. Counts from the next injection",
+        soft_min=-10,
+        soft_max=10,
     )
     receivers: bpy.props.PointerProperty(
         type=bpy.types.Collection,
@@ -294,6 +338,34 @@ class PCC_Material(bpy.types.PropertyGroup):
     """How a material shows probes."""
 
     effects: bpy.props.PointerProperty(type=PCC_MaterialEffects)
+    show_probes: bpy.props.BoolProperty(
+        name="Show Probes",
+        description="Let the material show the probes that its objects are in; off: it keeps its own reflections",
+        default=True,
+        options=set(),
+        update=_tell_shown,
+    )
+    probe: bpy.props.PointerProperty(
+        type=bpy.types.Object,
+        name="Probe",
+        description="This probe alone serves the material, wherever its influence reaches; empty: whichever probes "
+        "its objects are in",
+        poll=is_probe_here,
+        update=_tell_shown,
+    )
+
+
+class PCC_Object(bpy.types.PropertyGroup):
+    """Whether an object shows probes."""
+
+    show_probes: bpy.props.BoolProperty(
+        name="Show Probes",
+        description="Let the object's materials show the probes that it is in; off: they keep their own reflections "
+        "on this object, and go on showing probes on others",
+        default=True,
+        options=set(),
+        update=_tell_shown,
+    )
 
 
 class PCC_Scene(bpy.types.PropertyGroup):
@@ -315,6 +387,12 @@ class PCC_Scene(bpy.types.PropertyGroup):
         subtype="DIR_PATH",
     )
 
+    preset: bpy.props.EnumProperty(
+        name="Preset",
+        description="What probes that are added in the window are set to",
+        items=PRESETS,
+    )
+
 
 CLASSES = (
     PCC_ProbeEffects,
@@ -323,6 +401,7 @@ CLASSES = (
     PCC_BakedLevel,
     PCC_Probe,
     PCC_Material,
+    PCC_Object,
     PCC_Scene,
 )
 
@@ -331,6 +410,7 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Object.pcc_probe = bpy.props.PointerProperty(type=PCC_Probe)
+    bpy.types.Object.pcc = bpy.props.PointerProperty(type=PCC_Object)
     bpy.types.Material.pcc = bpy.props.PointerProperty(type=PCC_Material)
     bpy.types.Scene.pcc = bpy.props.PointerProperty(type=PCC_Scene)
 
@@ -338,6 +418,7 @@ def register() -> None:
 def unregister() -> None:
     del bpy.types.Scene.pcc
     del bpy.types.Material.pcc
+    del bpy.types.Object.pcc
     del bpy.types.Object.pcc_probe
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.errors import BakeError, Cancelled
 from ..core.probe import Engine
-from ..core.workplace import WORKPLACE, temporary_folder
+from ..core.workplace import workplace
 from . import compat
 from .overrides import override
 from .store import pictures
@@ -61,7 +61,7 @@ class Renderer:
     def __init__(self, stack: ExitStack, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer | None = None) -> None:
         """View layer: the only one to render; None: those that the scene renders."""
         self._stack, self._scene, self._view_layer = stack, scene, view_layer
-        self._folder = stack.enter_context(temporary_folder(WORKPLACE))
+        self._folder = workplace(stack)
         stack.enter_context(pictures.desk())
         stack.callback(compat.set_float_exr(scene.render.image_settings))
         if view_layer is not None:
@@ -107,10 +107,10 @@ class Renderer:
             with contextlib.suppress(RuntimeError):  # "could not be saved": there is no file then
                 image.save_render(str(path), scene=self._scene)
         if image is None or not path.is_file():
-            raise BakeError(_no_picture(what))
+            raise BakeError(self._no_picture(what))
         if shown is not None:
             self._save_shown(image, shown)
-        return Frame(_taken(path), seconds)
+        return Frame(self._taken(path, what), seconds)
 
     def views(self, what: str, cameras: Sequence[bpy.types.Object]) -> list[np.ndarray]:
         """Render once for several cameras, so that a renderer goes over the scene's objects only once.
@@ -135,8 +135,8 @@ class Renderer:
             self._render(what, write_still=True)
         paths = [self._folder / f"view{ending}.exr" for ending in endings]
         if not all(path.is_file() for path in paths):
-            raise BakeError(_no_picture(what))
-        return [_taken(path) for path in paths]
+            raise BakeError(self._no_picture(what))
+        return [self._taken(path, what) for path in paths]
 
     def _render(self, what: str, **options: bool) -> None:
         layer = {} if self._view_layer is None else {"layer": self._view_layer.name}
@@ -146,6 +146,23 @@ class Renderer:
             raise BakeError(f"{what} cannot be rendered ({str(error).strip()})") from error
         if "FINISHED" not in result:
             raise Cancelled(f"{what}: the render was stopped")
+
+    def _no_picture(self, what: str) -> str:
+        return (
+            f"{what} was rendered without a picture; free space in '{self._folder.parent}', or look whether another "
+            "add-on removes it"
+        )
+
+    def _taken(self, path: Path, what: str) -> np.ndarray:
+        """The pixels of a file that is not needed any more."""
+        try:
+            pixels = pictures.read_file(path)
+        except (BakeError, RuntimeError) as error:
+            raise BakeError(
+                f"{what}: its picture came out incomplete; free space in '{self._folder.parent}'"
+            ) from error
+        path.unlink()
+        return pixels
 
     def _save_shown(self, image: bpy.types.Image, path: Path) -> None:
         settings = self._scene.render.image_settings
@@ -183,17 +200,6 @@ def _show_as_views(stack: ExitStack, scene: bpy.types.Scene, endings: Sequence[s
     override(stack, render, "views_format", "MULTIVIEW")
     override(stack, render.image_settings, "views_format", "INDIVIDUAL")
     override(stack, render, "use_file_extension", True)
-
-
-def _no_picture(what: str) -> str:
-    return f"{what} was rendered without a picture; another add-on may have removed it"
-
-
-def _taken(path: Path) -> np.ndarray:
-    """The pixels of a file that is not needed any more."""
-    pixels = pictures.read_file(path)
-    path.unlink()
-    return pixels
 
 
 def _render_result() -> bpy.types.Image | None:

@@ -13,16 +13,19 @@ from ..core.faces_needed import said
 from ..core.frames import STILL, FrameRange, spans
 from ..core.plan import Plan, make_plan
 from ..core.probe import ProbeSpec, Source
+from ..core.probe_plan import told_copy
 from ..core.sequence import changed_frames
 from ..core.sidecar import Sidecar
 from ..core.words import listed
 from .read.fingerprint import SceneFingerprint
 from .read.frames import at_frame, frames_of, visit
-from .read.probes import all_probes, bake_record, check_place, probe_spec
+from .read.probes import all_probes, bake_record, check_place, probe_spec, told_overridden
 from .read.scene import read_scene
 from .shade.captured import seen_matt
 from .shade.outdated import outdated
 from .store.levels import faulty_picture
+
+NO_BAKE = "it has no bake"
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,7 @@ class ProbeStatus:
         stale_frames: those of them at which it sees something else now.
         unneeded: why it needs no bake, in words; empty: it needs one.
         outdated: in words, what its materials would show otherwise after an injection.
+        copy_of: the name of the probe whose pictures it shows, as it is a copy without a bake of its own; empty: none.
     """
 
     probe: str
@@ -46,13 +50,15 @@ class ProbeStatus:
     stale_frames: tuple[int, ...] = ()
     unneeded: str = ""
     outdated: tuple[str, ...] = ()
+    copy_of: str = ""
 
     @property
     def words(self) -> str:
         """All that there is to say of it."""
-        said = [self.why] * bool(self.why)
+        said = [told_copy(self.copy_of)] * bool(self.copy_of)
+        said += [self.why] * bool(self.why)
         if self.unneeded and self.state == "unbaked":
-            said = [f"it has no bake and needs none: {self.unneeded}"]
+            said = [f"{NO_BAKE} and needs none: {self.unneeded}"]
         elif self.unneeded and self.state != "baked":
             said.append(f"it needs no bake: {self.unneeded}")
         if self.outdated:
@@ -78,8 +84,14 @@ def planned_statuses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
         _status(probe, view_layer, fingerprint, seen.get(probe.name, {}), faces.get(probe.name, ())) for probe in probes
     ]
     unneeded = {probe.probe: probe.unneeded for probe in plan.probes}
+    originals = {probe.name: probe.copy_of for probe in reading.probes}
     return plan, [
-        replace(status, unneeded=unneeded.get(status.probe, ""), outdated=late.get(status.probe, ()))
+        replace(
+            status,
+            unneeded=unneeded.get(status.probe, ""),
+            outdated=late.get(status.probe, ()),
+            copy_of=originals[status.probe],
+        )
         for status in found
     ]
 
@@ -121,7 +133,22 @@ def _status(
     except PccError as error:
         return ProbeStatus(probe.name, "error", str(error))
     if record is None:
-        return ProbeStatus(probe.name, "unbaked", "it has no bake")
+        return ProbeStatus(probe.name, "unbaked", NO_BAKE)
+    found = _status_of_bake(probe, spec, record, now, faces, seen, needed)
+    if found.state == "stale" and probe.override_library:
+        return replace(found, why=f"{found.why.removesuffix('; bake it again')}; it {told_overridden(probe)}")
+    return found
+
+
+def _status_of_bake(
+    probe: bpy.types.Object,
+    spec: ProbeSpec,
+    record: Sidecar,
+    now: str,
+    faces: Sequence[str],
+    seen: Mapping[int, str],
+    needed: Sequence[str],
+) -> ProbeStatus:
     frames = spans(record.frames)
     fault = faulty_picture(probe, record)
     if fault:
@@ -147,10 +174,15 @@ def _status(
 
 
 def _what_changed(spec: ProbeSpec, record: Sidecar, changed: tuple[str, ...]) -> str:
+    another = record.blender and record.blender != bpy.app.version_string
+    since = f"since its bake by Blender {record.blender}, which may read the file otherwise" if another else _SINCE
     if changed == record.faces:
-        return f"{_CHANGED[spec.source]} or the probe changed since its bake"
+        return f"{_CHANGED[spec.source]} or the probe changed {since}"
     see = "faces {} see" if len(changed) > 1 else "face {} sees"
-    return f"what its {see.format(listed(changed))} changed since its bake"
+    return f"what its {see.format(listed(changed))} changed {since}"
+
+
+_SINCE = "since its bake"
 
 
 def _status_of_sequence(spec: ProbeSpec, record: Sidecar, seen: Mapping[int, str]) -> ProbeStatus:

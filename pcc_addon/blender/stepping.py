@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack
 
+from . import judging
+
 
 class SteppedJob:
     """A base of such jobs. Call `step` until it returns False, or `cancel`; what is worked on is changed in between.
@@ -20,7 +22,7 @@ class SteppedJob:
     def __init__(self) -> None:
         """A job that has not begun."""
         self.progress, self.message = 0.0, "Preparing"
-        self._stack = ExitStack()
+        self._stack, self._begun = ExitStack(), False
         self._work = self._run()
 
     def _run(self) -> Iterator[object]:
@@ -40,6 +42,9 @@ class SteppedJob:
             Exception: whatever else went wrong. In every case what was changed is as before first.
         """
         try:
+            if not self._begun:  # what is looked at meanwhile is what is worked on
+                self._begun = True
+                self._stack.enter_context(judging.corrected())
             self._went_on(next(self._work))
         except StopIteration:
             self._stack.close()

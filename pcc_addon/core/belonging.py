@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -31,6 +32,8 @@ class Belongings:
         needs: by material, by object: the probes that its points may show, those that it hardly reaches included.
         refused: by material, by object: the probes whose influence it reaches and that it is not to show.
         refusing: by probe: the objects in its influence that are not to show it.
+        avoiding: by probe: the materials of objects in its influence that are to show another one alone, or none.
+        excluded: by material: its objects in the influence of probes that are to show none.
         fixed: by material: its objects that cannot wear a copy of it.
     """
 
@@ -42,17 +45,27 @@ class Belongings:
     needs: dict[str, dict[str, set[str]]] = field(default_factory=dict)
     refused: dict[str, dict[str, set[str]]] = field(default_factory=dict)
     refusing: dict[str, set[str]] = field(default_factory=dict)
+    avoiding: dict[str, set[str]] = field(default_factory=dict)
+    excluded: dict[str, set[str]] = field(default_factory=dict)
     fixed: dict[str, set[str]] = field(default_factory=dict)
 
 
 def belongings(
-    probes: Sequence[ProbeSpec], placements: Sequence[PlacementReading], moving: Collection[str] = frozenset()
+    probes: Sequence[ProbeSpec],
+    placements: Sequence[PlacementReading],
+    moving: Collection[str] = frozenset(),
+    allowed: Mapping[str, Collection[str]] = MappingProxyType({}),
 ) -> Belongings:
     """Find the probes that each placement is in the influence of, and among them those that it belongs to.
 
     A placement belongs to the probe with the largest share of its bounds, the nearest of those with equal shares, and
-    to every other one with a share worth mentioning. Objects that move, by their names, count as leaving the boxes that
-    they are in now.
+    to every other one with a share worth mentioning.
+
+    Args:
+        probes: those of the scene.
+        placements: what is there.
+        moving: names of objects that move; they count as leaving the boxes that they are in now.
+        allowed: by material, names of the only probes that it may show; other materials may show all.
     """
     found = Belongings()
     if not probes or not placements:
@@ -60,11 +73,15 @@ def belongings(
     lows, highs = _bounds(probes)
     margin = handover(max(probe.influence_falloff for probe in probes))
     lows, highs = lows - margin, highs + margin
-    for placement in placements:
+    for placement, names in _alike(placements, allowed):
         low, high = placement.corners.min(0), placement.corners.max(0)
         near = ((lows <= high) & (highs >= low)).all(1).nonzero()[0].tolist()
         reached = [probes[k] for k in near if probes[k].overlaps(placement.corners)]
-        accepted = [probe for probe in reached if probe.influence.accepts(placement.object)]
+        if names is not None:
+            _note_avoided(found, placement, [probe.name for probe in reached if probe.name not in names])
+            near = [k for k in near if probes[k].name in names]
+            reached = [probe for probe in reached if probe.name in names]
+        accepted = [p for p in reached if p.influence.accepts(placement.object) and not placement.excluded]
         refused = [probe.name for probe in reached if probe not in accepted]
         _note_refused(found, placement, refused)
         reached = accepted
@@ -87,13 +104,24 @@ def belongings(
             share, distance = shares[probe.name]
             if probe.name != best and share < _SHARE and _fills(probe, placement.corners) < _FILLED:
                 continue
+            _note_fixed(found, placement)
             for material in placement.materials:
                 found.needs.setdefault(material, {}).setdefault(placement.object, set()).update(needed)
-                if placement.fixed:
-                    found.fixed.setdefault(material, set()).add(placement.object)
                 tally = found.owners.setdefault(material, {}).setdefault(probe.name, {})
                 tally[placement.object] = tally.get(placement.object, 0.0) + share + 1e-3 / (1.0 + distance)
     return found
+
+
+def _alike(
+    placements: Iterable[PlacementReading], allowed: Mapping[str, Collection[str]]
+) -> Iterator[tuple[PlacementReading, Collection[str] | None]]:
+    """Each placement with those of its materials that may show the same probes, and the names of these; None: all."""
+    for placement in placements:
+        free = tuple(material for material in placement.materials if material not in allowed)
+        yield (placement if free == placement.materials else replace(placement, materials=free)), None
+        for material in placement.materials:
+            if material in allowed:
+                yield replace(placement, materials=(material,)), allowed[material]
 
 
 def _note_reach(found: Belongings, probe: ProbeSpec, placement: PlacementReading, moves: bool) -> None:
@@ -125,10 +153,24 @@ def _keeps_out(probe: ProbeSpec, own: ProbeSpec, corners: np.ndarray) -> bool:
     return are_apart(own, probe) and not probe.nears(corners, handover(own.influence_falloff))
 
 
+def _note_fixed(found: Belongings, placement: PlacementReading) -> None:
+    for material in placement.materials if placement.fixed else ():
+        found.fixed.setdefault(material, set()).add(placement.object)
+
+
+def _note_avoided(found: Belongings, placement: PlacementReading, probes: Sequence[str]) -> None:
+    for probe in probes:
+        found.avoiding.setdefault(probe, set()).update(placement.materials)
+
+
 def _note_refused(found: Belongings, placement: PlacementReading, probes: Sequence[str]) -> None:
+    if probes:
+        _note_fixed(found, placement)
     for material in placement.materials if probes else ():
         found.refused.setdefault(material, {}).setdefault(placement.object, set()).update(probes)
         found.needs.setdefault(material, {}).setdefault(placement.object, set())
+        if placement.excluded:
+            found.excluded.setdefault(material, set()).add(placement.object)
         for probe in probes:
             found.refusing.setdefault(probe, set()).add(placement.object)
 
@@ -156,13 +198,16 @@ def beside(ordered: Sequence[ProbeSpec]) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(j for j in range(k) if are_apart(ordered[j], one)) for k, one in enumerate(ordered))
 
 
-def layered(probes: Sequence[str], specs: Mapping[str, ProbeSpec]) -> list[str]:
+def layered(
+    probes: Sequence[str], specs: Mapping[str, ProbeSpec], borrowing: Collection[str] = frozenset()
+) -> list[str]:
     """Probes in the order in which they are shown, each over those before it where boxes overlap.
 
-    The least priority comes first, of the same the largest box, of the same the one that was named last.
+    The least priority comes first, of the same those that show what was captured for another probe, of the same the
+    largest box, of the same the one that was named last.
     """
     rank = {name: k for k, name in enumerate(probes)}
-    return sorted(probes, key=lambda n: (specs[n].influence.priority, -_volume(specs[n]), -rank[n]))
+    return sorted(probes, key=lambda n: (specs[n].influence.priority, n not in borrowing, -_volume(specs[n]), -rank[n]))
 
 
 def _volume(probe: ProbeSpec) -> float:

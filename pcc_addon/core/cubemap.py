@@ -38,6 +38,9 @@ FACES: tuple[Face, ...] = (
 
 FACE_NAMES: tuple[str, ...] = tuple(face.name for face in FACES)
 
+CROSS = {"+Z": (1, 0), "-X": (0, 1), "+Y": (1, 1), "+X": (2, 1), "-Y": (3, 1), "-Z": (1, 2)}
+"""Columns from the left and rows from the top in which each face of an unfolded cube has its neighbours beside it."""
+
 OVERSCAN = 8
 """Pixels rendered on each side of a face, so that denoising and filtering at an edge have real neighbours."""
 
@@ -90,7 +93,7 @@ def sample_faces(
             continue
         column = (a + 1.0) * (0.5 * resolution) - 0.5 + overscan
         row = (b + 1.0) * (0.5 * resolution) - 0.5 + overscan
-        result[chosen] = _bicubic(picture, row, column)
+        result[chosen] = bicubic(picture, row, column)
     return result.reshape(*np.shape(directions)[:-1], -1)
 
 
@@ -136,7 +139,13 @@ def find_faces(directions: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.nda
         yield k, chosen, *(d @ np.array(axis, np.float64) / depth for axis in (face.right, face.up))
 
 
-def _bicubic(image: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+def bicubic(image: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """(k, channels) float32 between texels of an image (h, w, channels), Catmull-Rom within the 4 neighbours' range.
+
+    Args:
+        image: of float32.
+        row, column: (k,) where the centre of the first texel is at 0; two texels lie around each on all sides.
+    """
     r0, c0 = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)
     row_weights = _catmull_rom((row - r0).astype(np.float32))
     column_weights = _catmull_rom((column - c0).astype(np.float32))

@@ -183,6 +183,12 @@ class Formula:
         """The names of the pictures that it samples itself."""
         return tuple(dict.fromkeys(part.picture for part in self.parts() if isinstance(part, (Sample, Texel))))
 
+    @property
+    def called(self) -> tuple[Formula, ...]:
+        """The formulas that it calls itself, each once."""
+        calls = (part.calls.formula for part in self.parts() if isinstance(part, Call))
+        return tuple({formula.title: formula for formula in calls}.values())
+
     def parts(self) -> Iterator[Expr]:
         """Its expressions and all that they are made of, each once, arguments first; not the insides of calls."""
         seen: set[int] = set()

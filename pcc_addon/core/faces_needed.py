@@ -28,17 +28,19 @@ class NeededFaces:
     Attributes:
         captured: the faces, by name, that a bake must have; in the order of `cubemap.FACES`.
         shown: those that lookups may read of the picture that there is now, which may have been taken elsewhere.
+        why_all: why all of them are, in words.
     """
 
     captured: tuple[str, ...] = FACE_NAMES
     shown: tuple[str, ...] = FACE_NAMES
+    why_all: str = "surfaces that show it may mirror any way"
 
     @property
     def reason(self) -> str:
         """Why some are not captured, or why all are, in words."""
         left = [name for name in FACE_NAMES if name not in self.captured]
         why = "no surface that shows it can mirror that way"
-        return f"its {said(left)} not captured: {why}" if left else "surfaces that show it may mirror any way"
+        return f"its {said(left)} not captured: {why}" if left else self.why_all
 
 
 def said(faces: Sequence[str]) -> str:
@@ -79,6 +81,8 @@ class FaceNeeds:
         bound = plan.receivers.all_inside and shown_by and not reading.read_anyhow
         if not bound or spec.animated or _looks_anywhere(plan.lookup):
             return NeededFaces()
+        if _follows_relief(plan, reading):
+            return NeededFaces(why_all="what stands in its box may lie any way from the capture point")
         rungs = [LADDER[key.level] for key in plan.pictures]
         read: dict[float, list[Facets]] = {}  # by how far around a direction texels are mixed
         beyond = 0.0
@@ -134,6 +138,12 @@ def with_faces(plan: ProbePlan, faces: FaceNeeds, reading: ProbeReading, shown_b
     decision = reading.spec.forced.decide(Effect.FACES, needed.captured == FACE_NAMES, needed.reason)
     captured = FACE_NAMES if decision.on else needed.captured
     return replace(plan, faces=captured, shown_faces=needed.shown, decisions=(*plan.decisions, decision))
+
+
+def _follows_relief(plan: ProbePlan, reading: ProbeReading) -> bool:
+    """Whether rays may end before the walls, or will once distances are captured."""
+    assert reading.spec is not None
+    return plan.lookup.steps > 0 or (reading.spec.captures_distance and reading.departure is None)
 
 
 def _looks_anywhere(lookup: LookupEffects) -> bool:

@@ -13,6 +13,7 @@ from enum import Enum
 import numpy as np
 
 Curve = Callable[[np.ndarray], np.ndarray]
+Parts = tuple[np.ndarray, np.ndarray, np.ndarray]  # of directions: x, y, z
 
 
 class Distribution(str, Enum):
@@ -48,97 +49,118 @@ def _smith_lambda(
 
 
 def _facets(
-    view: np.ndarray, alpha: float, grid: int, distribution: Distribution
-) -> tuple[np.ndarray, np.ndarray | float]:
-    """Microfacet normals (grid², 3), and by how much more than they are drawn each is seen from a direction."""
+    sine: np.ndarray, cosine: np.ndarray, alpha: float, grid: int, distribution: Distribution
+) -> tuple[Parts, np.ndarray | float]:
+    """Microfacet normals beside the plane of a view, and by how much more than they are drawn each is seen from it."""
     if distribution is Distribution.GGX:
-        return _visible_normals(view[2], alpha, grid), 1.0
-    u1, u2 = _stratified(grid)
-    tangent, angle = alpha * np.sqrt(-np.log1p(-u1)), 2.0 * np.pi * u2
-    z = 1.0 / np.sqrt(1.0 + tangent**2)
-    half = np.stack([tangent * np.cos(angle) * z, tangent * np.sin(angle) * z, z], -1)
-    seen = 1.0 / (1.0 + _smith_lambda(view[2], alpha, distribution))
-    return half, np.maximum(half @ view, 0.0) / (z * view[2]) * seen
+        return _visible_normals(sine, cosine, alpha, grid), 1.0
+    u, angle = _stratified(grid)
+    tangent = alpha * np.sqrt(-np.log1p(-u))
+    x, y, z = _unit(tangent * np.cos(angle), tangent * np.sin(angle), np.ones_like(tangent))
+    seen = 1.0 / (1.0 + _smith_lambda(cosine, alpha, distribution))
+    return (x, y, z), np.maximum(x * sine + z * cosine, 0.0) / (z * cosine) * seen
 
 
 def _stratified(grid: int) -> tuple[np.ndarray, np.ndarray]:
-    """The midpoints of grid² cells of the unit square."""
-    u = (np.arange(grid) + 0.5) / grid
-    first, second = np.meshgrid(u, u, indexing="ij")
-    return first.ravel(), second.ravel()
+    """From the middle of a lobe to its rim (0 … 1), and half a turn around it: the midpoints of equal cells."""
+    around = grid // 2
+    outwards, turn = np.meshgrid((np.arange(grid) + 0.5) / grid, np.pi * (np.arange(around) + 0.5) / around)
+    return outwards.ravel(), turn.ravel()
 
 
-def _visible_normals(view_cosine: float, alpha: float, grid: int) -> np.ndarray:
-    """Midpoint-stratified microfacet normals (grid², 3), distributed as seen from a direction in the xz plane."""
-    u1, u2 = _stratified(grid)
-    view = np.array([np.sqrt(max(0.0, 1.0 - view_cosine**2)) * alpha, 0.0, view_cosine])
-    view /= np.linalg.norm(view)
-    across = np.array([0.0, 1.0, 0.0])
-    up = np.cross(view, across)
-    radius, angle = np.sqrt(u1), 2.0 * np.pi * u2
-    t1, t2 = radius * np.cos(angle), radius * np.sin(angle)
-    lift = 0.5 * (1.0 + view[2])
-    t2 = (1.0 - lift) * np.sqrt(np.maximum(0.0, 1.0 - t1 * t1)) + lift * t2
-    height = np.sqrt(np.maximum(0.0, 1.0 - t1 * t1 - t2 * t2))
-    normal = t1[:, None] * across + t2[:, None] * up + height[:, None] * view
-    normal *= (alpha, alpha, 1.0)
-    return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+def _visible_normals(sine: np.ndarray, cosine: np.ndarray, alpha: float, grid: int) -> Parts:
+    """Midpoint-stratified microfacet normals, distributed as seen from a direction in the xz plane."""
+    u, angle = _stratified(grid)
+    x, _, z = _unit(alpha * sine, np.zeros_like(sine), cosine)
+    radius = np.sqrt(u)
+    up, across = radius * np.cos(angle), radius * np.sin(angle)
+    rest = 1.0 - across * across
+    lift = 0.5 * (1.0 + z)
+    up = (1.0 - lift) * np.sqrt(rest) + lift * up
+    height = np.sqrt(np.maximum(0.0, rest - up * up))
+    return _unit(alpha * (height * x - up * z), alpha * across, height * z + up * x)
+
+
+def _unit(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> Parts:
+    length = np.sqrt(x * x + y * y + z * z)
+    return x / length, y / length, z / length
 
 
 def lobe_samples(
-    cosine: float, roughness: float, grid: int = 96, distribution: Distribution = Distribution.GGX
+    cosine: np.ndarray | float, roughness: float, grid: int = 96, distribution: Distribution = Distribution.GGX
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Microfacets as a view sees them, each as likely as any other.
+    """Microfacets as views see them, each as likely as any other.
+
+    They lie on one side of the plane of view and normal; those on the other side mirror them.
 
     Args:
-        cosine: between view and normal, in (0, 1].
+        cosine: (…) between view and normal, in (0, 1].
         roughness: above 0.
-        grid: samples on each side.
+        grid: samples from the middle of the lobe to its rim; half as many lie around it.
         distribution: of the microfacets.
 
     Returns:
-        (grid²,) float64 each: the cosine between view and microfacet, and how much of the light that the microfacet
-        mirrors leaves the surface.
+        (…, grid · (grid // 2)) float64 each: the cosine between view and microfacet, and how much of the light that the
+        microfacet mirrors leaves the surface.
     """
-    facets, _, leaving = reflected_samples(cosine, roughness, grid, distribution)
+    facets, _, leaving = _reflected(cosine, roughness, grid, distribution)
     return facets, leaving
 
 
 def reflected_samples(
-    cosine: float, roughness: float, grid: int = 96, distribution: Distribution = Distribution.GGX
+    cosine: np.ndarray | float, roughness: float, grid: int = 96, distribution: Distribution = Distribution.GGX
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`lobe_samples` with the way that the mirrored light takes.
 
     The normal is z, and the view lies over the x axis.
 
     Returns:
-        (grid²,) the cosine between view and microfacet, (grid², 3) the unit direction in which the microfacet mirrors
-        the view, and (grid²,) how much of the light leaves the surface.
+        (…, n) the cosine between view and microfacet, (…, n, 3) the unit direction in which the microfacet mirrors the
+        view, its y above 0, and (…, n) how much of the light leaves the surface.
     """
+    facets, light, leaving = _reflected(cosine, roughness, grid, distribution)
+    return facets, np.stack(light, -1), leaving
+
+
+def _reflected(
+    cosine: np.ndarray | float, roughness: float, grid: int, distribution: Distribution
+) -> tuple[np.ndarray, Parts, np.ndarray]:
+    """`reflected_samples`, the direction by its parts."""
     alpha = roughness * roughness
-    view = np.array([np.sqrt(1.0 - cosine * cosine), 0.0, cosine])
-    half, seen = _facets(view, alpha, grid, distribution)
-    view_half = np.clip(half @ view, 0.0, 1.0)
-    light = 2.0 * view_half[:, None] * half - view
-    return view_half, light, seen * _leaving(cosine, light[:, 2], alpha, distribution)
+    sine, cosine = _view(cosine)
+    (x, y, z), seen = _facets(sine, cosine, alpha, grid, distribution)
+    view_half = np.clip(x * sine + z * cosine, 0.0, 1.0)
+    twice = 2.0 * view_half
+    light = twice * x - sine, twice * y, twice * z - cosine
+    return view_half, light, seen * _leaving(cosine, light[2], alpha, distribution)
 
 
-def _leaving(cosine: float, light_cosine: np.ndarray, alpha: float, distribution: Distribution) -> np.ndarray:
+def _view(cosine: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+    """The sine and the cosine of views, (…, 1) each."""
+    cosine = np.asarray(cosine, np.float64)[..., None]
+    return np.sqrt(1.0 - cosine * cosine), cosine
+
+
+def _leaving(cosine: np.ndarray, light_cosine: np.ndarray, alpha: float, distribution: Distribution) -> np.ndarray:
     """How much of the light of facets that the view sees is not shadowed."""
     lambda_view, lambda_light = (_smith_lambda(c, alpha, distribution) for c in (cosine, light_cosine))
     return np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)
 
 
 def transmitted_samples(
-    cosine: float, roughness: float, eta: float, grid: int = 96, distribution: Distribution = Distribution.GGX
+    cosine: np.ndarray | float,
+    roughness: float,
+    eta: float,
+    grid: int = 96,
+    distribution: Distribution = Distribution.GGX,
 ) -> tuple[np.ndarray, np.ndarray]:
     """`lobe_samples` for light that the microfacets bend to the other side, by an index of refraction `eta`."""
     alpha = roughness * roughness
-    view = np.array([np.sqrt(1.0 - cosine * cosine), 0.0, cosine])
-    half, seen = _facets(view, alpha, grid, distribution)
-    view_half = np.clip(half @ view, 0.0, 1.0)
+    sine, cosine = _view(cosine)
+    (x, _, z), seen = _facets(sine, cosine, alpha, grid, distribution)
+    view_half = np.clip(x * sine + z * cosine, 0.0, 1.0)
     root = 1.0 - (1.0 - view_half**2) / eta**2  # negative under total internal reflection
-    light_cosine = cosine / eta - (view_half / eta - np.sqrt(np.maximum(root, 0.0))) * half[:, 2]
+    light_cosine = cosine / eta - (view_half / eta - np.sqrt(np.maximum(root, 0.0))) * z
     leaving = _leaving(cosine, light_cosine, alpha, distribution)
     return view_half, seen * np.where(root > 0.0, leaving, 0.0)
 
@@ -150,7 +172,7 @@ def directional_averages(cosines: np.ndarray, roughness: float, curves: Sequence
         cosines: (n,) cosines between view and normal, in (0, 1].
         roughness: 0 … 1; 0 is the mirror, whose averages are the curves themselves.
         curves: functions of v·h, such as a Fresnel curve; the constant 1 gives the lobe's albedo.
-        grid: quadrature points on each side.
+        grid: of quadrature points, as for `lobe_samples`.
 
     Returns:
         (len(curves), n) float64.
@@ -158,8 +180,8 @@ def directional_averages(cosines: np.ndarray, roughness: float, curves: Sequence
     cosines = np.asarray(cosines, np.float64)
     if roughness == 0.0:
         return np.stack([curve(cosines) * np.ones_like(cosines) for curve in curves])
-    samples = [lobe_samples(cosine, roughness, grid) for cosine in cosines]
-    return np.array([[np.mean(weight * curve(facet)) for facet, weight in samples] for curve in curves])
+    facets, weights = lobe_samples(cosines, roughness, grid)
+    return np.array([(weights * curve(facets)).mean(-1) for curve in curves])
 
 
 def hemispherical_average(cosines: np.ndarray, values: np.ndarray) -> float:

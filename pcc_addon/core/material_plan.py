@@ -30,6 +30,7 @@ class MaterialPlan:
         emits: whether it is a light of its own.
         decisions: what each effect of the material as a whole was decided to be.
         strays: probes that it shows on objects which are not in their influence, and not all in another's.
+        choices: what its user chose of the probes that it shows, in words.
     """
 
     material: str
@@ -40,6 +41,7 @@ class MaterialPlan:
     emits: bool = False
     decisions: tuple[Decision, ...] = ()
     strays: frozenset[str] = frozenset()
+    choices: tuple[str, ...] = ()
 
     @property
     def probes(self) -> tuple[str, ...]:
@@ -70,12 +72,14 @@ def plan_material(
     surfaces: tuple[SurfacePlan, ...],
     hardening: frozenset[str],
     relieved: frozenset[str] = frozenset(),
+    borrowing: frozenset[str] = frozenset(),
 ) -> MaterialPlan:
     """The plan of a material whose objects belong to probes so much: by probe, then by object.
 
-    The last are the names of the probes that show the sharper what is nearer, and of those that read how near it is.
+    The last are the names of the probes that show the sharper what is nearer, of those that read how near it is, and of
+    those that show what was captured for another one.
     """
-    ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name))
+    ranked = sorted(owners, key=lambda name: (-sum(owners[name].values()), name in borrowing, name))
     served = [surface for surface in surfaces if surface.effects is not None]
     if material.obstacles or not served:
         why = [f"{obstacle}; left as it is" for obstacle in material.obstacles]
@@ -91,13 +95,18 @@ def plan_material(
     told = "its objects show copies of it" if division.parts else several
     by_place = material.forced.decide(Effect.BY_PLACE, any(map(division.blends, division.probes)), told)
     if by_place.forced and not by_place.on:
-        division = Division(tuple(ranked[:1]))
+        first = ranked[:1]
+        own = {item: {*first}.intersection(probes) for item, probes in needs.items()}
+        division = divide(first, own, refused, found.fixed.get(material.name, ()), fitting)
     elif by_place.forced:
         division = divide(ranked, needs, refused, found.fixed.get(material.name, ()), fitting, together=len(ranked))
     objects = sorted((item, probe) for probe in division.probes for item in owners.get(probe, ()))
     reasons = []
     if division.parts:
         reasons.append(f"is shown as {len(division.parts)} copies, whose objects show different probes")
+    stuck = found.excluded.get(material.name, set()) & found.fixed.get(material.name, set()) if division.kept else ()
+    if stuck:
+        reasons.append(f"shows probes on {named(sorted(stuck))} all the same: linked, or given it by a modifier")
     if division.dropped:
         dropped = named(division.dropped)
         reasons.append(f"shows {fitting} probes and not {dropped}: EEVEE reads no more pictures in one material")

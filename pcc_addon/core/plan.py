@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .belonging import belongings, vessels
+from .chosen import told_choices, told_unserved
 from .effects.transmission import Interface
 from .faces_needed import FaceNeeds, with_faces
 from .material_plan import MaterialPlan, plan_material
+from .parts import Division
 from .probe_plan import ProbePlan, plan_probe
 from .readings import SceneReading
 from .surface_plan import plan_surfaces
@@ -36,16 +38,25 @@ def make_plan(scene: SceneReading) -> Plan:
     """Decide which probes each material shows, what each surface computes, and which pictures each probe needs."""
     specs = [probe.spec for probe in scene.probes if probe.spec is not None]
     notes = [probe.fault for probe in scene.probes if probe.fault]
-    found = belongings(specs, scene.placements, scene.animated)
+    allowed = {material.name: material.allowed for material in scene.materials if material.allowed is not None}
+    found = belongings(specs, scene.placements, scene.animated, allowed)
     materials = []
     shapes = _interfaces(scene)
     relieved = frozenset(spec.name for spec in specs if spec.captures_distance)
     hardening = frozenset(spec.name for spec in specs if spec.contact_hardening)
     for material in scene.materials:
         owners = found.owners.get(material.name, {})
+        excluded = found.excluded.get(material.name, ())
+        choices = tuple(told_choices(material, excluded))
         if owners:
             surfaces = plan_surfaces(material, scene.roughness_limit, shapes.get(material.name, Interface.SOLID))
-            materials.append(plan_material(material, owners, found, surfaces, hardening, relieved))
+            plan = plan_material(material, owners, found, surfaces, hardening, relieved, scene.borrowing)
+            materials.append(replace(plan, choices=choices))
+        elif choices:
+            reasons = () if excluded else tuple(told_unserved(material, scene))
+            materials.append(
+                MaterialPlan(material.name, Division(()), (), (), reasons, material.emits, choices=choices)
+            )
     read = {probe.name: probe for probe in scene.probes}
     showing: dict[str, list[MaterialPlan]] = {spec.name: [] for spec in specs}
     for plan in materials:

@@ -23,7 +23,7 @@ def lines(plan: Plan) -> Iterator[str]:
     for material in plan.materials:
         shown = ", ".join(f"'{probe}'" for probe in material.probes) or "no probe"
         yield f"material '{material.material}': {shown}"
-        yield from (f"    {reason}" for reason in material.reasons)
+        yield from (f"    {reason}" for reason in (*material.choices, *material.reasons))
         yield from (f"    {told(decision)}" for decision in material.decisions)
         yield from (f"    object '{item}' shows '{probe}'" for item, probe in material.objects)
         for surface in material.surfaces:
@@ -83,6 +83,7 @@ def _material(material: MaterialPlan) -> dict[str, object]:
             }
             for surface in material.surfaces
         ],
+        "choices": list(material.choices),
         "reasons": list(material.reasons),
         "effects": list(map(_decision, material.decisions)),
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,12 @@ STEEPEST_FALLOFF = 1e-9  # metres: an edge
 _ULP = float(np.finfo(np.float32).eps)
 _UPRIGHT = 4.0 * _ULP  # how far, in radians, a box that counts as turned about the vertical may lean
 _INFINITE = float(np.finfo(np.float32).max)  # Blender turns an infinity that a script sets into this
+
+
+def _shared(array: np.ndarray) -> np.ndarray:
+    """An array that is computed once and read by all."""
+    array.flags.writeable = False
+    return array
 
 
 class Engine(str, Enum):
@@ -70,31 +77,31 @@ class Box:
             raise ProbeError(f"probe '{name}': its parents flatten its box; remove their shear or zero scale")
         return cls(tuple(float(v) for v in m.ravel()))
 
-    @property
+    @cached_property
     def axes(self) -> np.ndarray:
         """(3, 3) float64, columns: half edges in world space, metres."""
-        return np.array(self.matrix).reshape(4, 4)[:3, :3]
+        return _shared(np.array(self.matrix).reshape(4, 4)[:3, :3])
 
-    @property
+    @cached_property
     def centre(self) -> np.ndarray:
         """(3,) float64, world space, metres."""
-        return np.array(self.matrix).reshape(4, 4)[:3, 3]
+        return _shared(np.array(self.matrix).reshape(4, 4)[:3, 3])
 
-    @property
+    @cached_property
     def half_extents(self) -> np.ndarray:
         """(3,) float64, metres, along the box's own axes."""
-        return np.linalg.norm(self.axes, axis=0)
+        return _shared(np.linalg.norm(self.axes, axis=0))
 
-    @property
+    @cached_property
     def face_normals(self) -> np.ndarray:
         """(3, 3) float64, rows: unit normals of the faces that local X, Y and Z meet."""
         rows = np.linalg.inv(self.axes)
-        return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        return _shared(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
-    @property
+    @cached_property
     def half_widths(self) -> np.ndarray:
         """(3,) float64, metres, from the centre to each pair of faces; the half extents unless a parent shears."""
-        return 1.0 / np.linalg.norm(np.linalg.inv(self.axes), axis=1)
+        return _shared(1.0 / np.linalg.norm(np.linalg.inv(self.axes), axis=1))
 
     @property
     def turn_mirror(self) -> np.ndarray:
@@ -242,25 +249,25 @@ class ProbeSpec:
         """The padding, widened by what float32 positions this far from the origin cannot tell apart, metres."""
         return self.padding + 4.0 * _ULP * self._reach
 
-    @property
+    @cached_property
     def _reach(self) -> float:
         """The largest coordinate in or around the box, metres."""
         return float(np.abs(self.box.centre).max() + np.linalg.norm(self.box.half_extents))
 
-    @property
+    @cached_property
     def face_falloffs(self) -> np.ndarray:
         """(2, 3) metres, never 0: how far it fades beyond the faces at the low and at the high ends of the own axes."""
-        return np.maximum(self.influence.falloffs(self.falloff), STEEPEST_FALLOFF)
+        return _shared(np.maximum(self.influence.falloffs(self.falloff), STEEPEST_FALLOFF))
 
-    @property
+    @cached_property
     def influence_falloff(self) -> float:
         """The longest of them, metres: shaders divide by it."""
         return float(self.face_falloffs.max())
 
-    @property
+    @cached_property
     def influence_reach(self) -> np.ndarray:
         """(2, 3) metres: how far the influence box, with the padding, reaches beyond the low and the high faces."""
-        return np.array([self.influence.low, self.influence.high]) + self.influence_padding
+        return _shared(np.array([self.influence.low, self.influence.high]) + self.influence_padding)
 
     @property
     def influence_corners(self) -> np.ndarray:

@@ -100,11 +100,16 @@ def plan_probe(
         departure = math.inf  # nobody knows before the bake
     lookup = plan_lookup(spec, receivers, captured_at, source, words, departure)
     reasons = [f"{len(showing)} materials show it" if showing else "no material shows it"]
+    if reading.copy_of:
+        reasons.append(f"{told_copy(reading.copy_of)}; those with pictures of their own go before it")
     if lookup.effects.stretched:
         reasons.append("its picture was not captured in its box, so it is stretched to it and turns with it")
     refusing = sorted(found.refusing.get(spec.name, ()))
     if refusing:
         reasons.append(f"{named(refusing)} in its influence are not to show it")
+    avoiding = sorted(found.avoiding.get(spec.name, ()))
+    if avoiding:
+        reasons.append(f"{named(avoiding)} in its influence are to show another probe alone, or none")
     if shared:
         reasons.append(f"shares {named(shared)} with other probes, by place")
     if reading.advice:
@@ -116,11 +121,18 @@ def plan_probe(
     return ProbePlan(spec.name, receivers, bool(shared), lookup.effects, pictures, tuple(reasons), decisions, unneeded)
 
 
+def told_copy(original: str) -> str:
+    """What is to be said of a probe that shows the pictures of the one that it was copied from."""
+    return f"it is a copy of '{original}', whose pictures it shows until it is baked"
+
+
 def _unneeded(spec: ProbeSpec, found: Belongings, scene: SceneReading, reading: ProbeReading) -> str:
     """Why a probe that no material shows needs no bake; empty where something may show it all the same."""
     moving = any(placement.object in scene.animated for placement in scene.placements)
     if reading.by_hand or reading.in_windows or spec.animated or moving:
         return ""
+    if spec.name in found.refusing or spec.name in found.avoiding:
+        return "what is in its influence cannot show it, or is not to"
     if any(spec.name in owners for owners in found.owners.values()):
         return "no material in its influence has a surface that could show it"
     return "no object is in its influence"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -39,8 +40,12 @@ class SurfaceReading:
     films_on_metal: bool = True
     films_on_both: bool = True
 
+    @cached_property
+    def _values(self) -> dict[str, Value]:
+        return dict(reversed(self.inputs))  # of equal names the first counts
+
     def has(self, name: str) -> bool:
-        return any(known == name for known, _ in self.inputs)
+        return name in self._values
 
     def value(self, name: str) -> Value:
         """The input's constant value, or None where it varies.
@@ -48,10 +53,7 @@ class SurfaceReading:
         Raises:
             KeyError: there is no such input.
         """
-        for known, value in self.inputs:
-            if known == name:
-                return value
-        raise KeyError(name)
+        return self._values[name]
 
     def scalar(self, name: str) -> float | None:
         """`value` of an input that is one number."""
@@ -78,6 +80,7 @@ class MaterialReading:
         bends_normals: whether perturbed normals are bent where they would mirror the view into the surface.
         shown: names of the probe groups that it shows now.
         forced: effects that are on or off whatever it calls for.
+        allowed: names of the only probes that its user lets it show; None: all, empty: none.
     """
 
     name: str
@@ -89,6 +92,7 @@ class MaterialReading:
     bends_normals: bool = True
     shown: tuple[str, ...] = ()
     forced: Forced = field(default=Forced())
+    allowed: frozenset[str] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +105,14 @@ class PlacementReading:
         corners: (8, 3) float64, world space, metres: the bounding box along its own axes, in the order of
             `numpy.ndindex(2, 2, 2)`.
         fixed: whether its materials cannot be exchanged for copies: it is linked, or others than its slots give them.
+        excluded: whether its user lets it show no probe.
     """
 
     object: str
     materials: tuple[str, ...]
     corners: np.ndarray
     fixed: bool = False
+    excluded: bool = False
 
 
 @dataclass(frozen=True)
@@ -184,6 +190,7 @@ class ProbeReading:
         over_frames: whether it has pictures for frames, at which others may show it than now.
         departure: `Sidecar.departs_from` its box.
         advice: what a measurement of costs recommends instead of it, a sentence; empty: nothing.
+        copy_of: the name of the probe that it was copied from, whose pictures it shows; empty: it has its own or none.
     """
 
     name: str
@@ -196,6 +203,7 @@ class ProbeReading:
     over_frames: bool = False
     departure: float | None = None
     advice: str = ""
+    copy_of: str = ""
 
     @property
     def read_anyhow(self) -> bool:
@@ -240,3 +248,13 @@ class SceneReading:
     walls: tuple[WallReading, ...] = ()
     facets: tuple[FacetReading, ...] = ()
     animated: frozenset[str] = field(default=frozenset())
+
+    @property
+    def specs(self) -> dict[str, ProbeSpec]:
+        """The settings of all probes that are not faulty, by name."""
+        return {probe.name: probe.spec for probe in self.probes if probe.spec is not None}
+
+    @property
+    def borrowing(self) -> frozenset[str]:
+        """Names of probes that show what was captured for another one; stretched pictures are as good in any box."""
+        return frozenset(probe.name for probe in self.probes if probe.copy_of and not probe.source.stretched)

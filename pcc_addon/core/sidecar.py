@@ -9,6 +9,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from .errors import BakeError
 from .pictures import STILL, PictureKey, PictureKind
 from .probe import Box, ProbeSpec, Source
 from .sequence import Moment
+from .workplace import on_disk
 
 VERSION = 2
 _AXES = {
@@ -27,6 +29,9 @@ _AXES = {
 }
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 FORMAT = "parallax-probe"
+_OPENING = f'{{\n "format": "{FORMAT}"'.encode()  # of each sidecar
+_ENDLESS = 2**53  # beyond it floats skip whole numbers
+_LARGEST = 2**28  # bytes; a picture takes some hundred
 _INFINITE = float(np.finfo(np.float32).max)  # shaders compute in float32
 _NUMBER = r"\.\d{4,}"  # of a picture of a sequence; Blender finds the others by it
 _PICTURE = rf"\.(?:[a-z]+-\d+\.[0-9a-f]{{12}}(?:{_NUMBER})?|r\d{{5}})\.exr"  # the last is version 1's
@@ -67,7 +72,7 @@ class Level:
         return cls(
             key=PictureKey.parse(_text(plain["key"])),
             roughness=_number(plain["roughness"]),
-            file=_text(plain["file"]),
+            file=_file_name(plain["file"]),
             width=_whole(plain["width"]),
             height=_whole(plain["height"]),
             size=_whole(plain.get("size", 0)),
@@ -100,6 +105,7 @@ class Sidecar:
         half_float: whether its pictures are kept in half precision.
         departure: how far what was captured departs from the box at most, over the distance to the box; None where no
             distances were captured.
+        date: when it was made, ISO 8601, UTC; empty where nobody has noted it.
     """
 
     probe: str
@@ -123,6 +129,7 @@ class Sidecar:
     face_hashes: tuple[str, ...] = ()
     departure: float | None = None
     half_float: bool = False
+    date: str = ""
 
     @property
     def frames(self) -> tuple[int, ...]:
@@ -158,7 +165,7 @@ class Sidecar:
         face_hashes: tuple[str, ...] = (),
         departure: float | None = None,
     ) -> Sidecar:
-        """The record of a bake of `spec`, as yet without levels."""
+        """The record of a bake of `spec` that ends now, as yet without levels."""
         x, y, z = spec.capture_point
         return cls(
             probe=spec.name,
@@ -181,6 +188,7 @@ class Sidecar:
             face_hashes=face_hashes,
             departure=departure,
             half_float=spec.half_float,
+            date=datetime.now(UTC).isoformat(timespec="seconds"),
         )
 
     def changed(self, content_hash: str, face_hashes: Sequence[str]) -> tuple[str, ...]:
@@ -196,6 +204,17 @@ class Sidecar:
             return self.faces
         pairs = zip(FACE_NAMES, self.face_hashes, face_hashes, strict=True)
         return tuple(name for name, before, now in pairs if before != now and name in self.faces)
+
+    def is_of(self, spec: ProbeSpec, content_hash: str, faces: Iterable[str]) -> bool:
+        """Whether a bake of a still would give the same.
+
+        Args:
+            spec: of the probe.
+            content_hash: of what its pictures depend on now.
+            faces: those that are needed.
+        """
+        precise = self.half_float == spec.half_float and not (spec.captures_distance and self.departure is None)
+        return precise and self.content_hash == content_hash and not self.lacks(faces)
 
     def lacks(self, faces: Iterable[str]) -> tuple[str, ...]:
         """Those of some faces that were not captured."""
@@ -230,7 +249,9 @@ class Sidecar:
                 raise BakeError(f"'{origin}' was written by a later version of the add-on; update it, or bake again")
             return cls._from_plain(migrated(document))
         except (KeyError, TypeError, ValueError, OverflowError, RecursionError, AttributeError) as error:
-            raise BakeError(f"'{origin}' is not a probe's sidecar ({error}); bake the probe again") from error
+            raise BakeError(
+                f"'{origin}' is not a probe's sidecar ({str(error)[:200]}); bake the probe again"
+            ) from error
 
     @classmethod
     def _from_plain(cls, plain: Mapping[str, Any]) -> Sidecar:
@@ -258,6 +279,7 @@ class Sidecar:
             face_hashes=_face_hashes(plain.get("face_hashes", [])),
             departure=_departure(plain.get("departure")),
             half_float=bool(plain.get("half_float", False)),
+            date=_date(plain.get("date", "")),
         )
 
 
@@ -282,6 +304,14 @@ def _text(value: object) -> str:
     return value
 
 
+def _file_name(value: object) -> str:
+    """The name of a file beside a record; whoever wrote the record may have written a path to anything."""
+    name = _text(value)
+    if name in ("", ".", "..") or any(sign in name for sign in "/\\:\0"):
+        raise ValueError(f"{name!r} is no name of a file")
+    return name
+
+
 def _number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise TypeError(f"{value!r} is no finite number")
@@ -289,8 +319,8 @@ def _number(value: object) -> float:
 
 
 def _whole(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise TypeError(f"{value!r} is no whole number")
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < _ENDLESS:
+        raise TypeError(f"{value!r} is no whole number, or too large")
     return value
 
 
@@ -326,10 +356,17 @@ def _departure(found: object) -> float | None:
     return None if found is None else _number(found)
 
 
+def _date(found: object) -> str:
+    text = _text(found)
+    if text and datetime.fromisoformat(text).tzinfo is None:
+        raise ValueError("its date does not say of which time zone it is")
+    return text
+
+
 def _moment(plain: Mapping[str, Any]) -> Moment:
     x, y, z = _numbers(plain, "capture_point", 3)
     frame = plain["frame"]
-    if type(frame) is not int:
+    if type(frame) is not int or abs(frame) >= 2**31:
         raise TypeError(f"{frame!r} is no frame")
     return Moment(frame, _text(plain["content_hash"]), _whole(plain["number"]), (x, y, z))
 
@@ -338,6 +375,11 @@ def file_stem(name: str, uid: str) -> str:
     """A file name for a probe that is safe on every system and differs wherever the uid differs."""
     readable = _UNSAFE.sub("_", name).strip("_-")[:40] or "probe"
     return f"{readable}-{uid_digest(uid)}"
+
+
+def sidecar_file(name: str, uid: str) -> str:
+    """The name of a probe's sidecar."""
+    return f"{file_stem(name, uid)}.json"
 
 
 def uid_digest(uid: str) -> str:
@@ -363,6 +405,11 @@ def level_file(stem: str, key: PictureKey, digest: str) -> str:
     return f"{stem}.{key.family}.{digest[:12]}{number}.exr"
 
 
+def renamed(file: str, name: str, uid: str) -> str:
+    """The name that a picture has as one of another probe, or of one that is called otherwise by now."""
+    return f"{file_stem(name, uid)}.{file.partition('.')[2]}"
+
+
 def file_family(name: str) -> str:
     """The name of a picture without its number: pictures of one sequence, which stay or go together, have it alike."""
     return _NUMBERED.sub(r"\1\2", name)
@@ -378,8 +425,51 @@ def digest_of(pixels: np.ndarray) -> str:
     return hashlib.blake2b(np.ascontiguousarray(pixels, np.float32).tobytes(), digest_size=16).hexdigest()
 
 
-def move_into_place(parts: Path, target: Path, names: Sequence[str]) -> None:
+def may_replace(path: Path) -> bool:
+    """Whether a sidecar may take the place of what has its name: nothing, an older one, one that a power cut emptied.
+
+    Names can be chosen so that anybody's file has one of ours.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    if not path.exists():
+        return True
+    if not path.is_file():  # a pipe would be waited for
+        return False
+    with path.open("rb") as file:
+        start = file.read(len(_OPENING) + 1).replace(b"\r", b"")  # as Windows ends lines
+    return not start.strip(b"\0") or start.startswith(_OPENING)
+
+
+def read_file(path: Path) -> str:
+    """The text of a sidecar, or of a note beside it.
+
+    Raises:
+        OSError: it cannot be read, or is no file.
+        BakeError: it is too large for one.
+        UnicodeDecodeError: it is no text.
+    """
+    if path.exists() and not path.is_file():  # a pipe would be waited for
+        raise OSError(f"'{path}' is no file")
+    if path.stat().st_size > _LARGEST:
+        raise BakeError(f"'{path}' is too large for a probe's sidecar; move it away")
+    return path.read_text(encoding="utf-8")
+
+
+def is_named_by_pixels(name: str, pixels: np.ndarray | None) -> bool:
+    """Whether a picture's name has the digest of its pixels; None: they cannot be read."""
+    return pixels is not None and f".{digest_of(pixels)[:12]}." in name
+
+
+def move_into_place(parts: Path, target: Path, names: Sequence[str], *, durable: bool = False) -> None:
     """Move finished files from one folder of a disk to another, the last one last: all of them, or none.
+
+    Args:
+        parts: where they are.
+        target: where to.
+        names: theirs.
+        durable: whether to wait until the disk has them, so that a power cut leaves none that is torn.
 
     Raises:
         OSError: one could not be moved; those before it that were new are gone again.
@@ -387,6 +477,8 @@ def move_into_place(parts: Path, target: Path, names: Sequence[str]) -> None:
     made: list[Path] = []
     try:
         for name in names:
+            if durable:
+                on_disk(parts / name)
             is_new = not (target / name).exists()
             os.replace(parts / name, target / name)
             if is_new:

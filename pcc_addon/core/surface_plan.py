@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from .decisions import Decision, Effect, Forced
 from .effects.kinds import KINDS, MICROFACETS, WITHOUT_GLOSS, layers_of, may_transmit
 from .effects.lookup import LEAST_SPREAD, MOST_SPREAD
-from .effects.roughness import neighbours
+from .effects.roughness import mixed_formula, neighbours
 from .effects.surface import Ray, SurfaceEffects, surface_effects
 from .effects.transmission import Interface
+from .expression import Formula
 from .forcing import as_forced
 from .pictures import LADDER
 from .readings import MaterialReading, SurfaceReading
@@ -69,6 +70,11 @@ class SurfacePlan:
         if hardening:
             low, high = low * LEAST_SPREAD, high * MOST_SPREAD
         return neighbours(rungs, low, high)
+
+    def mixing(self, rungs: Sequence[float], ray: Ray, hardening: bool = False) -> Formula | None:
+        """What makes the radiance at its roughness of `levels`; None where it reads one as it is."""
+        levels = self.levels(rungs, ray, hardening)
+        return mixed_formula(tuple(rungs[k] / ray.narrowing for k in levels), hardening) if len(levels) > 1 else None
 
     def levels_of_ladder(self, hardening: bool) -> set[int]:
         """The levels of a whole ladder that it reads along all its rays."""

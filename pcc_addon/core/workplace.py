@@ -11,8 +11,11 @@ import shutil
 import tempfile
 import uuid
 from collections.abc import Iterator
+from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
+
+from .errors import PccError
 
 UNFINISHED = ".unfinished-"  # beside finished files, on their disk
 WORKPLACE = "pcc-"  # in the system's folder for temporary files
@@ -31,10 +34,73 @@ def temporary_folder(prefix: str, parent: Path | None = None) -> Iterator[Path]:
         yield Path(name)
 
 
+def workplace(stack: ExitStack) -> Path:
+    """A folder in the system's place for temporary files; gone when `stack` closes.
+
+    Raises:
+        PccError: it cannot be made.
+    """
+    try:
+        return stack.enter_context(temporary_folder(WORKPLACE))
+    except OSError as error:
+        raise PccError(
+            f"no folder for temporary files can be made in '{tempfile.gettempdir()}' ({error.strerror}); free space "
+            "there"
+        ) from error
+
+
 def aside(path: Path) -> Path:
     """Where a file is written before it is moved to `path`; what killed runs left there is removed."""
     remove_abandoned(UNFINISHED, path.parent)
     return path.parent / f"{_signed(UNFINISHED)}{uuid.uuid4().hex[:8]}{path.suffix}"
+
+
+def discard(path: Path) -> None:
+    """Remove what was written aside, and what Blender wrote aside for that; it may be gone."""
+    for left in (path, path.with_name(f"{path.name}@")):
+        with contextlib.suppress(OSError):  # it was told already why nothing can be done there
+            left.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file aside and move it into place: the one before, or that which a link of its name leads to, stays.
+
+    Raises:
+        OSError: it cannot be written; what was there is as it was.
+    """
+    unfinished = aside(path)
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        os.replace(unfinished, path)
+    finally:
+        discard(unfinished)
+
+
+def real(path: Path | str) -> Path:
+    """Where a path leads, links followed; one that leads to itself, which `Path.resolve` refuses, stays."""
+    return Path(os.path.realpath(path))
+
+
+def link(file: Path, to: Path) -> None:
+    """Give a file a second name; a copy where the disk has none.
+
+    Raises:
+        OSError: neither can be made.
+    """
+    try:
+        os.link(file, to)
+    except OSError:
+        shutil.copyfile(file, to)
+
+
+def on_disk(path: Path) -> None:
+    """Wait until what was written into a file is on its disk, so that no power cut takes it once it has its name.
+
+    Raises:
+        OSError: the disk is full, or broken.
+    """
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
 
 
 def remove_abandoned(prefix: str, parent: Path) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender as a module (pip install bpy)")
@@ -36,3 +39,21 @@ def renders(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setattr(Stage, "face", counted)
     return seen
+
+
+@pytest.fixture(scope="session")
+def _room_file(addon: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    from tests.blender.filing import build
+
+    blend = tmp_path_factory.mktemp("home") / "room.blend"
+    build(blend)
+    return blend
+
+
+@pytest.fixture
+def home(_room_file: Path, tmp_path: Path) -> Path:
+    """The open file of `filing.build` in a folder of its own."""
+    from tests.blender.filing import opened
+
+    shutil.copytree(_room_file.parent, tmp_path / "home")
+    return opened(tmp_path / "home" / _room_file.name)

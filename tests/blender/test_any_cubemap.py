@@ -287,7 +287,7 @@ def test_baked_probes_beside_it_are_rendered_as_ever(scene, tmp_path: Path, rend
     shows(other, sky(tmp_path))
     renders.clear()
     results = bake(other, room)
-    assert [(r.probe, r.error) for r in results] == [("Sky", None), ("Probe", None)]
+    assert [(r.probe, r.error) for r in results] == [("Probe", None), ("Sky", None)]
     assert renders == ["Probe"] * 6
     np.testing.assert_array_equal(picture(room), alone)
 

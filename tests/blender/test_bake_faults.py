@@ -68,7 +68,7 @@ def test_an_old_bake_survives_a_failing_new_one_byte_for_byte(scene, tmp_path: P
 
     monkeypatch.setattr(pictures, "write_file", fail_on_second)
     [result] = bake(probe)
-    assert result.error == "the disk is full" and len(calls) == 2
+    assert result.error == "probe 'Probe': the disk is full" and len(calls) == 2
     assert contents(tmp_path) == before and probe.pcc_probe.bake_record == record
     monkeypatch.undo()
     probe.pcc_probe.levels[0].image.reload()

@@ -217,7 +217,7 @@ def test_a_bake_that_cannot_be_stored_leaves_no_empty_folder_and_an_old_one_stay
     probe = small_room()
     monkeypatch.setattr(pictures, "write_file", lambda *_, **__: (_ for _ in ()).throw(BakeError("the disk is full")))
     scene.pcc.folder = str(tmp_path / "new")
-    assert bake(probe)[0].error == "the disk is full"
+    assert bake(probe)[0].error == "probe 'Probe': the disk is full"
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "old").mkdir()
     scene.pcc.folder = str(tmp_path / "old")

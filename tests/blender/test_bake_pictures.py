@@ -75,6 +75,7 @@ def lobe_alone(name: str, node: str) -> bpy.types.Material:
     return material
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("kind", ["Principled", "Glossy"])
 @pytest.mark.parametrize("injected", [False, True])
 def test_metals_are_captured_matt_in_half_their_colour(scene, injected: bool, kind: str) -> None:
@@ -96,6 +97,7 @@ def test_metals_are_captured_matt_in_half_their_colour(scene, injected: bool, ki
     assert towards(probe, 0, 0, 1).max() == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("injected", [False, True])
 def test_walls_are_captured_with_the_light_that_lobes_throw_on_them(scene, injected: bool) -> None:
     probe = small_probe()

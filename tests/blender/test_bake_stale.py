@@ -149,6 +149,7 @@ def lit_room(folder: Path) -> None:
     run("STALE")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("change", CHANGES, ids=lambda f: f.__name__)
 def test_a_stale_bake_is_baked_again_once(scene, tmp_path: Path, renders, change) -> None:
     lit_room(tmp_path)
@@ -162,6 +163,7 @@ def test_a_stale_bake_is_baked_again_once(scene, tmp_path: Path, renders, change
     assert len(renders) == 12, "the second bake does not hold"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("change", NOT_CHANGES, ids=lambda f: f.__name__)
 def test_what_does_not_change_the_picture_does_not_make_it_stale(scene, tmp_path: Path, renders, change) -> None:
     lit_room(tmp_path)

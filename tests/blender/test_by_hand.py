@@ -22,7 +22,7 @@ from pcc_addon.core.effects import by_hand as formula
 from pcc_addon.core.errors import PccError
 from pcc_addon.core.lookup_plan import Receivers, lookup_effects
 from pcc_addon.core.pictures import LADDER
-from pcc_addon.ui import by_hand as ui
+from pcc_addon.ui import menus
 from sample_blends.scenes import add_wall, emissive
 from tests.blender.helpers import ROOM, bake, paint_wall, picture, pretend_bake, put_in, small_probe, small_room
 from tests.blender.places import check_places, drawn
@@ -226,10 +226,10 @@ class _Layout:
 def test_the_menu_lists_baked_probes_under_a_heading(probe) -> None:
     small_probe("Unbaked")
     menu = type("Menu", (), {"layout": _Layout()})()
-    ui.PCC_MT_node_add.draw(menu, bpy.context)
+    menus.PCC_MT_node_add.draw(menu, bpy.context)
     assert menu.layout.drawn == [("pcc.node_add", "Probe"), ("pcc.mirrored_view_add", None)]
     assert menu.layout.probe == "Probe"
-    assert ui.draw_add_menu in bpy.types.NODE_MT_shader_node_add_all.draw._draw_funcs
+    assert menus.draw_nodes in bpy.types.NODE_MT_shader_node_add_all.draw._draw_funcs
     assert bpy.types.PCC_MT_node_add.bl_label == "Parallax Probes"
 
 

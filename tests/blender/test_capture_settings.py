@@ -150,12 +150,14 @@ def before(probe: bpy.types.Object, kept: list[np.ndarray]) -> np.ndarray:
     return kept[0]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("change", SETTINGS, ids=lambda change: change.__name__)
 def test_a_capture_does_not_obey(probe, before, change: Callable[[bpy.types.Scene], None]) -> None:
     change(bpy.context.scene)
     assert np.array_equal(captured(probe), before)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("change", SETTINGS, ids=lambda change: change.__name__)
 def test_a_capture_that_obeyed_would_differ(
     probe, before, monkeypatch, change: Callable[[bpy.types.Scene], None]

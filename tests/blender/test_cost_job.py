@@ -82,6 +82,7 @@ def of(report: CostReport, kind: Kind, correction: str = "NONE") -> list[float]:
     return [m.rmse for m in found if m.settings.resolution != 16]
 
 
+@pytest.mark.heavy
 def test_a_box_that_does_not_fit_is_measured_as_a_fit_would_have_it(scene, tmp_path: Path, monkeypatch) -> None:
     """The box is drawn a tenth too large: the fit is what is recommended, and applying it gives the room's box."""
     blend = room_file(tmp_path)
@@ -105,6 +106,7 @@ def test_a_box_that_does_not_fit_is_measured_as_a_fit_would_have_it(scene, tmp_p
     assert np.allclose(bpy.data.objects["Room"].scale, EMISSIVE_ROOM.half_extents, rtol=1e-4)
 
 
+@pytest.mark.heavy
 def test_a_box_that_fits_is_not_fitted(scene, tmp_path: Path, monkeypatch) -> None:
     asked_for = []
     monkeypatch.setattr(job, "ladder", lambda *_, fits, **__: asked_for.append(fits) or RUNGS[:1])
@@ -147,6 +149,7 @@ def test_a_run_says_what_is_true_of_the_room_and_leaves_the_file_alone(scene: bp
     assert {"truth", "progress", "advice", "afresh", "results"} <= set(kinds)
 
 
+@pytest.mark.heavy
 def test_a_run_ends_in_time(scene: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Rungs that would take minutes are not begun, and a bake that turns out to take too long is given up."""
     room_file(tmp_path)
@@ -157,9 +160,9 @@ def test_a_run_ends_in_time(scene: bpy.types.Scene, tmp_path: Path, monkeypatch:
     assert slow not in {m.settings for m in report.measurements}
     assert report.seconds < 20.0
 
-    slow = replace(slow, resolution=256, bake_samples=64)
+    slow = replace(slow, bake_samples=256)
     monkeypatch.setattr(job, "next_rung", lambda report, rungs, left: slow if left > 0.0 else None)
-    question = Question(width=WIDTH, budget=4.0)
+    question = Question(width=WIDTH, budget=12.0)
     hasty = CostJob(bpy.context.scene, bpy.context.view_layer, question, tmp_path / "out", resume=False)
     report = hasty.run()
     assert slow not in {m.settings for m in report.measurements}

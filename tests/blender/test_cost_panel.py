@@ -11,7 +11,7 @@ import numpy as np
 from pcc_addon.core.accuracy import files
 from pcc_addon.core.accuracy.plots import NAMES
 from pcc_addon.core.accuracy.png import write_png
-from pcc_addon.ui import cost_results
+from pcc_addon.ui.kept import last_cost
 from tests.blender.helpers import save
 from tests.core.cost_reports import example
 
@@ -21,18 +21,18 @@ def results(folder: Path) -> Path:
 
 
 def test_what_was_measured_last_is_read_again_when_it_changes(scene, tmp_path) -> None:
-    assert cost_results._last() is None, "the file is not saved"
+    assert last_cost.of_file() is None, "the file is not saved"
     save(tmp_path / "room.blend")
-    assert cost_results._last() is None
+    assert last_cost.of_file() is None
     report = example()
     files.keep(report, results(tmp_path))
-    first, found = cost_results._last()
+    first, found = last_cost.of_file()
     assert first == report and found.recommended is not None
-    assert cost_results._last()[0] is first, "panels are drawn at each move of the mouse"
+    assert last_cost.of_file()[0] is first, "panels are drawn at each move of the mouse"
     files.keep(replace(report, seconds=report.seconds + 1.0), results(tmp_path))
-    assert cost_results._last()[0].seconds == report.seconds + 1.0
+    assert last_cost.of_file()[0].seconds == report.seconds + 1.0
     (results(tmp_path) / files.JSON_NAME).write_text("{")
-    assert cost_results._last() is None, "a damaged file is told by what writes the next"
+    assert last_cost.of_file() is None, "a damaged file is told by what writes the next"
 
 
 def test_plots_are_shown_as_images(scene, tmp_path) -> None:

@@ -8,15 +8,17 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from pcc_addon.blender.accuracy import truth
 from pcc_addon.blender.accuracy.bench import Bench, Size
+from pcc_addon.blender.accuracy.partner import partner_of
 from pcc_addon.blender.accuracy.served import served_pixels
 from pcc_addon.core.accuracy.metrics import noise_of_halves, relative_rmse
 from pcc_addon.core.accuracy.records import Kind, Settings
 from pcc_addon.core.errors import BakeError
 from pcc_addon.core.probe import Engine
-from sample_blends.scenes import EMISSIVE_ROOM, add_box, add_room_probe, emissive_room, gallery, principled
+from sample_blends.scenes import EMISSIVE_ROOM, add_box, add_room_probe, emissive, emissive_room, gallery, principled
 from tests.blender.cost_scenes import HEIGHT, WIDTH, room_file
 from tests.rna_dump import difference, dump
 
@@ -140,6 +142,38 @@ def test_rungs_that_share_a_bake_show_it_again_to_the_last_digit(scene: bpy.type
     assert errors[relief] == pytest.approx(errors[fine], rel=1e-3)  # an empty room
 
 
+def test_a_second_probe_in_the_room_is_baked_and_shown_by_paired_rungs_alone(scene, tmp_path: Path) -> None:
+    """It sees the side of a block that the first one cannot, which relief shows in the floor."""
+    room_file(tmp_path)
+    scene, probe = bpy.context.scene, bpy.data.objects["Room"]
+    glow, emission = emissive("Glow")
+    emission.inputs["Color"].default_value = (0.2, 2.0, 0.2, 1.0)
+    add_box(EMISSIVE_ROOM, "Block", (-0.2, 0.0, -1.2), (0.3, 1.2, 0.7), glow)
+    far = add_room_probe(EMISSIVE_ROOM)
+    far.name, far.pcc_probe.capture_offset, probe.pcc_probe.capture_offset = "Far", (-2.0, 0, 0), (2.0, 0, 0)
+    bpy.context.view_layer.update()
+    assert partner_of(probe, scene, bpy.context.view_layer) == far
+    bench = Bench(scene, bpy.context.view_layer, probe, Size(WIDTH, HEIGHT), (1,), tmp_path / "bakes")
+    alone = Settings(Kind.PROBE, Engine.CYCLES, "RELIEF", 64, 1, frame_samples=4, steps=12, refinements=4)
+    pair = replace(alone, paired=True)
+    seen: dict[Settings, np.ndarray] = {}
+    for rung in (alone, pair, PATH, alone, pair):
+        if rung.kind is Kind.PROBE and rung.bake_key not in bench.baked:
+            for _ in bench.bake(rung, 5):
+                pass
+        bench.show(rung)
+        picture = bench.frame(rung, 1, 5).pixels
+        np.testing.assert_array_equal(seen.setdefault(rung, picture), picture)
+    hidden = floor_seen() & (np.abs(seen[alone] - seen[PATH]).max(-1) > 0.5)
+    errors = [relative_rmse(seen[rung], seen[PATH], hidden) for rung in (alone, pair)]
+    assert hidden.sum() > 50 and errors[1] < 0.5 * errors[0]
+    assert [len(bench.bake_of(rung).records) for rung in (alone, pair)] == [1, 2]
+    far.location += far.matrix_world.to_3x3() @ Vector((1.9, 0, 0))  # the room beside, whose box overlaps a little
+    bpy.context.view_layer.update()
+    assert partner_of(probe, scene, bpy.context.view_layer) is None
+
+
+@pytest.mark.heavy
 def test_the_truth_knows_its_own_noise(scene: bpy.types.Scene, tmp_path: Path) -> None:
     """The estimate of two halves against the distance to a picture with many more samples."""
     gallery()

@@ -44,6 +44,7 @@ def reopen() -> None:
     bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("act", [bake_again, put_in, reopen], ids=lambda f: f.__name__)
 @pytest.mark.parametrize("name", DELETED)
 def test_what_was_deleted_is_built_again(scene, tmp_path: Path, name, act) -> None:

@@ -147,7 +147,8 @@ def test_a_copy_that_is_built_differently_stays_where_it_is(rooms) -> None:
     remove()
     assert worn() == [rooms, own, rooms, rooms] and not marks.is_copy(own)
     assert not any(marks.role(node) for node in own.node_tree.nodes)
-    assert [{*item.keys()} for item in floors()] == before, "no note is left on the objects"
+    left = [{*item.keys()} - {"pcc"} for item in floors()]  # where Blender 4.5 keeps settings that were read
+    assert left == before, "no note is left on the objects"
 
 
 def test_injecting_does_not_make_a_bake_stale(rooms) -> None:

@@ -92,6 +92,7 @@ def rough() -> Material:
     return material
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("effect", "change", "on"), [
     *((effect, needed, True) for effect, needed, _ in OF_LOOKUPS),
     *((effect, needless, False) for effect, _, needless in OF_LOOKUPS),
@@ -192,6 +193,7 @@ def cases() -> Iterator[object]:
             yield pytest.param(effect, needless, False, id=f"{effect.key} on")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("effect", "make", "on"), cases())
 def test_a_forced_effect_of_a_material_is_in_its_plan_and_its_shader_at_once(probe, effect, make, on: bool) -> None:
     material = make()

@@ -109,6 +109,7 @@ def test_a_wall_that_one_face_sees_is_baked_again_alone_and_as_if_all_were(probe
     assert same == set(FACE_NAMES) - {"+X"}
 
 
+@pytest.mark.heavy
 def test_denoised_faces_are_taken_over_too(probe, rendered) -> None:
     probe.pcc_probe.denoise = True
     bake(probe)
@@ -541,6 +542,7 @@ def vertex_moved() -> Callable[[], None]:
     return change
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("build", [moved_instances, behind_glass, clearer_glass, stretched_and_turned, vertex_moved])
 @pytest.mark.parametrize("floor", ["glowing", "black"])
 def test_faces_of_one_hash_have_one_picture(request, build, floor) -> None:

@@ -118,6 +118,7 @@ def test_a_face_that_a_floor_cannot_mirror_is_not_rendered_but_guessed(hall, ren
     assert np.array_equal(five[~below()], six[~below()])
 
 
+@pytest.mark.heavy
 def test_what_a_floor_shows_is_the_same_to_the_last_digit(hall) -> None:
     """From low and high, near and far, with the roughness of a level that mixes in what lies a little aside."""
     node = next(n for n in bpy.data.materials["Floor"].node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
@@ -211,6 +212,7 @@ def damaged_record(probe: bpy.types.Object) -> None:
     probe.pcc_probe.bake_record = "{"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "change", [another_scene, another_blender, another_addon, torn_picture, another_picture, damaged_record]
 )

@@ -50,6 +50,7 @@ def drawn(scene) -> bpy.types.Object:
     return draw(small_room(), drawn_wrong(TRUE, 5))
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(not LIVING_ROOM.is_file(), reason="the living room is not here")
 @pytest.mark.parametrize("seed", range(3))
 def test_the_living_room_is_found_to_five_millimetres(scene, tmp_path: Path, seed: int) -> None:
@@ -93,6 +94,7 @@ def test_what_the_capture_does_not_show_is_not_fitted_to(drawn) -> None:
     assert pane.visible_get() and wall_errors(TRUE, applied(drawn)).max() < MILLIMETRE
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("size", [1.0, 0.25])
 @pytest.mark.parametrize("mode", ["XYZ", "ZYX", "QUATERNION", "AXIS_ANGLE"])
 def test_the_display_size_and_the_way_of_turning_stay(drawn, size: float, mode: str) -> None:

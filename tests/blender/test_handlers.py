@@ -10,7 +10,7 @@ import pytest
 
 from pcc_addon.blender import handlers, marks
 from pcc_addon.blender.read.probes import probe_spec
-from pcc_addon.blender.shade import live, probe_group
+from pcc_addon.blender.shade import injection, live, probe_group
 from pcc_addon.blender.store import leftovers
 from pcc_addon.core.effects.records import Correction, LookupEffects, Outside
 from sample_blends.scenes import principled_node
@@ -97,7 +97,8 @@ def test_an_edit_inside_a_group_reaches_materials_that_nobody_sees_now(probe) ->
     update()
     next(n for n in inner.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled").inputs["Metallic"].default_value = 1.0
     update()
-    copies = [tree for tree in bpy.data.node_groups if tree.name.startswith("PCC Inner")]
+    outside = [tree for tree in bpy.data.node_groups if tree.name.startswith("PCC Outer") and tree.users]
+    copies = [n.node_tree for tree in outside for n in nodes_of(tree) if n.node_tree.name.startswith("PCC Inner")]
     assert len(copies) == 2
     assert all(any(n.node_tree and "metal alone" in n.node_tree.name for n in nodes_of(copy)) for copy in copies)
 
@@ -170,11 +171,14 @@ def test_undo_and_redo_bring_twins_along_at_once(material) -> None:
         assert metallic(bpy.data.materials[name]) == expected
 
 
-def test_groups_of_formulas_that_nothing_uses_go_when_all_is_brought_up_to_date(material) -> None:
+@pytest.mark.parametrize("goes", [injection.remove, lambda: handlers.on_load("")])
+def test_groups_of_formulas_that_nothing_uses_stay_as_long_as_undo_may_know_them(material, goes) -> None:
     unused = next(t for t in bpy.data.node_groups if (marks.role(t) or "").startswith("formula: ")).copy()
     assert unused.users == 0
     name = unused.name
     handlers.bring_all_up_to_date(bpy.context.scene)
+    assert name in bpy.data.node_groups
+    goes()
     assert name not in bpy.data.node_groups
 
 

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from pcc_addon.blender import handlers, marks
-from pcc_addon.blender.read.probes import probe_spec
+from pcc_addon.blender.read.scene import read_scene
 from pcc_addon.blender.shade import injection
 from pcc_addon.blender.shade.probe_group import shown_probe
 from pcc_addon.blender.shade.twin import is_torn, shown_probe_groups
@@ -104,8 +104,8 @@ def test_the_largest_box_comes_first_and_equal_ones_by_name(scene) -> None:
     for probe in probes.values():
         pretend_bake(probe)
     shown = {name: shown_probe(probe.pcc_probe.group) for name, probe in probes.items() if name != "Missing"}
-    specs = {name: probe_spec(probe) for name, probe in probes.items()}
-    order = injection.order_of(MaterialPlan("Floor", Division(tuple(sizes)), (), (), ()), tuple(sizes), shown, specs)
+    reading = read_scene(scene, bpy.context.view_layer)
+    order = injection.order_of(MaterialPlan("Floor", Division(tuple(sizes)), (), (), ()), tuple(sizes), shown, reading)
     assert [probe.group for probe in order.probes] == [
         shown[name].group for name in ("Hall", "A Room", "B Room", "Cupboard")
     ]

@@ -35,6 +35,7 @@ LAMPS = {  # kind, scale, settings; where the capture point is in the lamp's own
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", LAMPS)
 def test_a_stand_in_is_as_bright_and_as_large_as_the_lamp(scene, name) -> None:
     kind, scale, settings, aside = LAMPS[name]

@@ -7,7 +7,7 @@ import pytest
 
 from pcc_addon.blender import handlers
 from pcc_addon.blender.planning import plan_scene
-from pcc_addon.ui import last_plan
+from pcc_addon.ui.kept import last_plan
 from sample_blends.scenes import principled_node
 from tests.blender.helpers import save, small_probe, small_room
 from tests.blender.materials import shiny, show
@@ -146,21 +146,3 @@ def test_nothing_is_planned_while_a_bake_changes_the_scene(planned) -> None:
     planned.pcc_probe.effects.weight = "ON"
     with handlers.paused():
         assert last_plan.plan_again() > 0.0 and late()
-
-
-def test_checking_tells_how_bakes_stand(planned, scene) -> None:
-    small_probe("Attic", (50.0, 0.0, 0.0))
-    assert bpy.ops.pcc.status() == {"FINISHED"}
-    states = last_plan.of(scene).states
-    assert {name: status.state for name, status in states.items()} == {"Attic": "unbaked", "Probe": "stale"}
-    assert states["Attic"].words == "it has no bake and needs none: no object is in its influence"
-    bpy.ops.pcc.plan()
-    assert not last_plan.of(scene).states
-
-
-def test_a_bake_of_stale_probes_that_bakes_none_says_which_it_left(scene, capfd) -> None:
-    small_probe("Attic", (50.0, 0.0, 0.0))
-    assert bpy.ops.pcc.bake(scope="STALE") == {"FINISHED"}
-    said = capfd.readouterr().out
-    assert "probe 'Attic' is left as it is" in said and "; 1 is left as nothing shows it" in said
-    assert last_plan.of(scene).states["Attic"].unneeded

@@ -16,9 +16,10 @@ from pcc_addon.blender.read.probes import bake_record, probe_spec
 from pcc_addon.blender.store import keeping, pictures
 from pcc_addon.blender.store.levels import bake_folder, check_folder, ensure_levels, faulty_picture, store
 from pcc_addon.core.errors import BakeError
+from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.prefilter import prefilter
 from pcc_addon.core.sidecar import Sidecar
-from tests.blender.helpers import picture, pictures_of, save, small_probe
+from tests.blender.helpers import bake, picture, pictures_of, save, small_probe, small_room
 
 RNG = np.random.default_rng(1)
 SHARP = RNG.uniform(0.0, 4.0, (16, 32, 3)).astype(np.float32)
@@ -195,6 +196,23 @@ def test_a_copys_pictures_are_its_own_from_its_first_bake_on(scene) -> None:
     np.testing.assert_array_equal(picture(probe), SHARP)
 
 
+def test_a_baked_copy_takes_no_name_from_the_probe_that_it_was_copied_from(scene) -> None:
+    probe = small_room()
+    bake(probe)
+    copies = [probe.copy() for _ in range(2)]
+    for copy in copies:
+        scene.collection.objects.link(copy)
+    bake(probe)
+    assert [level.image.name for level in probe.pcc_probe.levels] == [f"PCC Probe {rung:.4f}" for rung in LADDER]
+    bake(copies[0])
+    assert [level.image.name for level in copies[1].pcc_probe.levels] == [
+        f"PCC Probe.002 {rung:.4f}" for rung in LADDER
+    ]
+    assert [level.image.name for level in copies[0].pcc_probe.levels] == [
+        f"PCC Probe.001 {rung:.4f}" for rung in LADDER
+    ]
+
+
 def test_every_fault_of_a_picture_is_named(scene, tmp_path: Path) -> None:
     probe = small_probe()
     stored(probe, tmp_path, r5=SHARP)
@@ -241,7 +259,9 @@ def test_a_packed_picture_of_another_bake_is_named(scene) -> None:
 def test_a_folder_that_cannot_be_written_is_named_and_nothing_stays(scene, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     for folder in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(BakeError, match=f"cannot write into '{folder}' .*; make it writable or choose another"):
+        with pytest.raises(
+            BakeError, match=f"cannot write into '{folder}' .*; free space there, make it writable or choose another"
+        ):
             check_folder(folder)
     check_folder(tmp_path / "new" / "deep")
     check_folder(None)
@@ -256,7 +276,7 @@ def test_a_store_that_fails_leaves_the_old_bake(scene, tmp_path: Path, monkeypat
     stored(probe, tmp_path)
     before, record = {path: path.read_bytes() for path in tmp_path.iterdir()}, probe.pcc_probe.bake_record
 
-    def full(*_: object) -> None:
+    def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("pcc_addon.core.sidecar.move_into_place", full)

@@ -89,6 +89,7 @@ def test_baking_again_makes_todays_levels_alone(probe) -> None:
     assert state() == ("baked", "")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("harm", ["missing", "truncated", "empty", "another's"])
 def test_a_picture_that_is_not_the_one_that_was_baked_makes_it_stale_and_harms_no_shader(probe, harm) -> None:
     if probe.pcc_probe.levels[0].image.packed_file:

@@ -12,7 +12,8 @@ from pcc_addon.blender.read.probes import probe_spec
 from pcc_addon.core.accuracy.misfit import Fit, at
 from pcc_addon.core.accuracy.sampling import Make
 from pcc_addon.core.accuracy.unseen import Part
-from pcc_addon.ui import last_misfit, misfit_shapes
+from pcc_addon.ui.kept import last_misfit
+from pcc_addon.ui.viewport import misfit_shapes
 from sample_blends.scenes import add_box, principled
 from tests.blender.helpers import ROOM, small_probe, small_room
 from tests.blender.snapshots import settled
@@ -172,6 +173,7 @@ def test_the_operator_asks_about_selected_probes_and_keeps_what_it_finds(scene) 
         bpy.ops.pcc.misfit()
 
 
+@pytest.mark.heavy
 def test_what_is_known_is_late_after_a_move_and_not_after_a_colour_or_a_camera(scene) -> None:
     probe = small_room()
     box, camera = crate(), bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))

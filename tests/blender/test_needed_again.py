@@ -395,6 +395,7 @@ ROWS = [
 ]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("live", [True, pytest.param(False, marks=pytest.mark.heavy)], ids=["live", "unseen"])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.change.__name__)
 def test_what_is_needed_again_is_shown_or_said(room: bpy.types.Object, row: Row, live: bool) -> None:

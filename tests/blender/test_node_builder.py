@@ -103,6 +103,7 @@ OPERATIONS: list[tuple[str, Expr, Callable[[dict], np.ndarray] | None]] = [
 ]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("expr", "terms"), [o[1:] for o in OPERATIONS], ids=[o[0] for o in OPERATIONS])
 def test_a_node_computes_its_operation_to_two_ulp(scene, rng, expr, terms) -> None:
     values = {name: signed(rng, CASES, 3) for name in "abc"} | {name: signed(rng, CASES) for name in "stu"}
@@ -194,6 +195,7 @@ LOOKUPS = [
 ]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("effects", LOOKUPS, ids=lambda e: e.label)
 def test_the_lookup_group_computes_the_formula(scene, rng, effects) -> None:
     outputs = lookup(effects, DIRECTION, POSITION + OFFSET)
@@ -308,10 +310,15 @@ def test_operations_on_different_constants_stay_apart(scene) -> None:
     assert found.tolist() == [6.0, 12.0, 20.0]
 
 
+def _computes(node: bpy.types.Node) -> tuple[str, str, str]:
+    called = getattr(node, "node_tree", None)
+    return node.bl_idname, getattr(node, "operation", ""), called.name if called else ""
+
+
 @pytest.mark.parametrize("outputs", [*map(lookup, LOOKUPS), *map(surface, SURFACES)])
 def test_no_two_nodes_of_a_formula_compute_the_same(scene, outputs) -> None:
     tree = bpy.data.node_groups.new("formula", "ShaderNodeTree")
-    node_builder.emit(tree, outputs)
+    node_builder.emit(tree, outputs, node_builder.Surroundings(group_of=groups.formula_group))
 
     def value(socket: bpy.types.NodeSocket) -> object:
         if socket.is_linked:
@@ -321,7 +328,7 @@ def test_no_two_nodes_of_a_formula_compute_the_same(scene, outputs) -> None:
         return tuple(plain) if hasattr(plain, "__len__") else plain
 
     seen = [
-        (node.bl_idname, getattr(node, "operation", ""), tuple(value(s) for s in node.inputs if s.enabled))
+        (_computes(node), tuple(value(s) for s in node.inputs if s.enabled))
         for node in tree.nodes
         if not node.bl_idname.startswith(("NodeGroup", "NodeFrame"))
     ]

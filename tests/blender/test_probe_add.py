@@ -8,8 +8,11 @@ import bpy
 import pytest
 from mathutils import Euler, Matrix, Vector
 
+from pcc_addon.blender import setting_groups
 from pcc_addon.blender.read.probes import probe_spec
-from tests.blender.helpers import small_probe
+from pcc_addon.ui.operators import probe_add
+from tests.blender.helpers import ROOM, small_probe, small_room
+from tests.core.rooms import box
 
 ARGUMENTS = {
     "name": "Hall",
@@ -142,3 +145,56 @@ def test_the_box_is_what_is_drawn_when_the_scale_is_applied_or_the_size_edited(s
     probe.scale = (4.0, 8.0, 2.0)
     bpy.context.view_layer.update()
     assert probe_spec(probe).box.half_extents == pytest.approx([1.0, 2.0, 0.5])
+
+
+def test_a_script_can_lay_the_box_around_the_selection_or_the_room(scene) -> None:
+    small_room()
+    bpy.data.objects.remove(bpy.data.objects["Probe"])
+    scene.cursor.location = ROOM.centre
+    found = add(name="In Room", around="ROOM")
+    assert tuple(found.location) == pytest.approx(ROOM.centre, abs=1e-4)
+    assert tuple(found.scale) == pytest.approx(ROOM.half_extents, abs=1e-4)
+    for item in scene.objects:
+        item.select_set(item.type == "MESH")
+    assert tuple(add(name="In Walls", around="SELECTION").scale) == pytest.approx(ROOM.half_extents, abs=1e-4)
+    assert tuple(add(name="Small", around="CURSOR").scale) == (1.0, 1.0, 1.0)
+
+
+def test_a_room_that_has_a_probe_is_left_to_it(scene, monkeypatch) -> None:
+    small_room()
+    bpy.context.view_layer.update()
+    rooms = [box(ROOM.centre, ROOM.half_extents), box((20.0, 0.0, 0.0), (1.0, 2.0, 1.0))]
+    monkeypatch.setattr(probe_add, "_rooms", lambda *_: iter(rooms))
+    assert add(around="ROOM").location.x == pytest.approx(20.0)
+    assert add(around="ROOM").location.x == pytest.approx(ROOM.centre[0]), "all have one"
+
+
+def test_the_room_around_the_eye_of_the_view_counts_where_the_cursor_is_in_none(scene, monkeypatch) -> None:
+    small_room()
+    bpy.context.view_layer.update()
+    scene.cursor.location = (500.0, 0.0, 0.0)
+    for eye, found in ((Vector(ROOM.centre), 1), (Vector((500.0, 0.0, 3.0)), 0), (None, 0)):
+        monkeypatch.setattr(probe_add, "_eye", lambda _, eye=eye: eye)
+        assert len(list(probe_add._rooms(bpy.context, None))) == found
+
+
+def test_where_no_room_is_found_the_values_count(scene) -> None:
+    probe = add(around="ROOM", location=(1.0, 2.0, 3.0))
+    assert tuple(probe.location) == (1.0, 2.0, 3.0) and tuple(probe.scale) == (2.0, 2.0, 1.5)
+
+
+def test_a_probe_takes_over_the_settings_of_another_and_not_its_place(scene) -> None:
+    first = add(name="First", capture_offset=(0.1, 0.2, 0.3)).pcc_probe
+    first.resolution, first.engine, first.falloff, first.correction = 128, "EEVEE", 0.5, "RELIEF"
+    first.effects.weight, first.influence_low, first.priority = "ON", (1.0, 0.0, 0.0), 3
+    second = add(name="Second", like="First").pcc_probe
+    assert (second.resolution, second.engine, second.falloff, second.correction) == (128, "EEVEE", 0.5, "RELIEF")
+    assert second.effects.weight == "ON"
+    assert tuple(second.capture_offset) == (0.0, 0.0, 0.0) and tuple(second.influence_low) == (0.0, 0.0, 0.0)
+    assert second.priority == 0 and not second.uid and not second.bake_record
+    assert add(name="Third").pcc_probe.resolution == 512, "a script that does not ask gets the defaults"
+
+
+def test_what_is_taken_over_are_settings_that_there_are(scene) -> None:
+    settings = add().pcc_probe
+    assert all(hasattr(settings, name) for name in setting_groups._OF_A_NEIGHBOUR)

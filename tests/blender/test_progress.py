@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
+from pcc_addon.blender import compat
 from pcc_addon.blender.bake.capture import Stage
 from pcc_addon.blender.bake.job import BakeJob
 from pcc_addon.blender.store.levels import bake_folder
@@ -29,6 +30,17 @@ def test_progress_grows_with_each_piece_of_work_and_ends_at_one(scene, tmp_path:
     told = [progress for progress, message in reached if message.startswith("Probe: ")]
     assert all(before < after for before, after in pairwise(told)), reached
     assert told[-1] == 1.0 and told[-2] < 1.0 and [result.error for result in job.results] == [None]
+
+
+def test_where_blender_has_no_denoiser_the_bake_says_so(scene, monkeypatch) -> None:
+    probe = small_room()
+    [quiet] = bake(probe)
+    monkeypatch.setattr(compat, "CAN_DENOISE", False)
+    [off] = bake(probe)
+    probe.pcc_probe.denoise = True
+    [warned] = bake(probe)
+    assert quiet.warnings == off.warnings == ()
+    assert warned.warnings == ("this Blender was built without a denoiser: the picture has the noise of 1 samples",)
 
 
 @pytest.mark.parametrize(("engine", "denoise", "looks"), [("CYCLES", False, 0), ("CYCLES", True, 6)])

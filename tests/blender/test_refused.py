@@ -110,6 +110,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("wrong", WRONG, ids=str)
 def test_a_tampered_record_is_named_and_the_other_probe_is_shown(scene, wrong: dict) -> None:
     good, bad = small_probe(), small_probe("Bad One")

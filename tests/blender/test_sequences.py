@@ -186,6 +186,7 @@ def test_a_fault_at_one_frame_is_named_with_it_and_leaves_the_old_bake(blinking)
     assert blinking.pcc_probe.bake_record == before
 
 
+@pytest.mark.heavy
 def test_cancelling_after_any_step_keeps_the_old_bake_and_the_frame(blinking) -> None:
     film(blinking, FrameRange(1, 4))
     scene, folder = bpy.context.scene, bake_folder(bpy.context.scene)

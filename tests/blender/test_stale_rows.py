@@ -21,6 +21,7 @@ def fingerprint(uid: str) -> str:
     return SceneFingerprint(scene, bpy.context.view_layer).content_hash(probe_spec(probe))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("row", ROWS, ids=str)
 def test_a_row(scene, tmp_path: Path, row: Row) -> None:
     probe = small_probe(location=(0.0, 0.0, 0.0), half_extents=(3.0, 3.0, 3.0))

@@ -154,6 +154,7 @@ def raise_on_call(function: Callable, number: int, error: BaseException) -> Call
     return broken
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("what", "call"), CALLS, ids=[f"{what}, call {call}" for what, call in CALLS])
 def test_an_exception_anywhere_restores_everything(probe, monkeypatch, what, call) -> None:
     before = settled()
@@ -176,7 +177,7 @@ def test_an_expected_failure_of_one_probe_restores_everything_and_is_told(probe,
     before = settled()
     monkeypatch.setattr(Stage, "face", raise_on_call(Stage.face, 3, BakeError("no luck")))
     [result] = bake(probe)
-    assert result.error == "no luck"
+    assert result.error == "probe 'Probe': no luck"
     assert difference(before, complete()) == []
 
 
@@ -199,7 +200,8 @@ def test_an_object_deleted_between_steps_does_not_keep_the_rest_from_coming_back
 
 def of_surfaces() -> list[str]:
     """The groups of ours that light surfaces, or copy a user's group for one."""
-    return [t.name for t in bpy.data.node_groups if str(marks.role(t)).startswith(("formula: Surface", "copy"))]
+    used = [tree for tree in bpy.data.node_groups if tree.users]
+    return [tree.name for tree in used if str(marks.role(tree)).startswith(("formula: Surface", "copy"))]
 
 
 def test_unused_formula_groups_of_ours_are_gone_after_a_bake(probe) -> None:

@@ -238,7 +238,8 @@ def critical(rng: np.random.Generator, n: int, correction: Correction, interface
     glass = anywhere(rng, n, correction, interface)
     ior = single(rng.uniform(1.05, 2.4, n))
     normal = directions(n, rng)
-    angle = np.arcsin(1.0 / ior) + signs(rng, (n,)) * log_uniform(rng, 1e-7, 1e-2, (n,))
+    # In double precision, as that of single precision depends on the processor, and published vectors must not.
+    angle = np.arcsin(1.0 / ior.astype(np.float64)) + signs(rng, (n,)) * log_uniform(rng, 1e-7, 1e-2, (n,))
     cases = _seen(glass.cases, _tilted(rng, normal, np.sin(angle)), normal)
     return replace(glass, cases=cases, ior=ior, backfacing=np.ones(n, np.float32))
 

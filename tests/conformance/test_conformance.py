@@ -113,6 +113,7 @@ def test_nan_and_infinite_inputs_harm_no_case_but_their_own(scene, correction: C
     assert lost.any() and (found[lost] == 0.0).any(-1).all(), "Cycles shows black where a shader gives NaN"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("variant", [variants.ARTICLES, *variants.WITHOUT], ids=lambda v: v.name)
 def test_the_families_find_what_every_guard_is_for(scene, variant: variants.Variant) -> None:
     for correction in variant.corrections:

@@ -93,6 +93,7 @@ share = st.one_of(st.sampled_from([0.0, 1.0, 1e-40]), st.floats(0.0, 1.0, width=
 fade = st.one_of(st.just(1.0), st.floats(2.0**-30, 2.0**10, width=32))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("subject", [s for s in SUBJECTS if s.kind == "seen through"], ids=str)
 @given(st.data(), direction, direction, st.floats(1.0, 2.5, width=32), st.booleans(), st.tuples(*[half_width] * 3))
 def test_any_glass_stays_finite_and_within_the_bound(

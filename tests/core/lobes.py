@@ -21,3 +21,8 @@ def quadrature(roughness: float, nodes: int = 20_000) -> tuple[np.ndarray, np.nd
     edges = np.linspace(0.0, 1.0, nodes + 1) ** 3 * (0.5 * np.pi)
     angle = 0.5 * (edges[1:] + edges[:-1])
     return angle, lobe(angle, roughness) * np.sin(angle) * np.diff(edges)
+
+
+def both_sides(ways: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(2n, 3) directions and (2n,) weights of a whole lobe, from those on one side of it that `core.ggx` gives."""
+    return np.concatenate([ways, ways * (1.0, -1.0, 1.0)]), np.tile(weights, 2)

@@ -148,3 +148,26 @@ def wall_errors(room: Box, fitted: Box) -> np.ndarray:
             wall = corners[:, axis] == end
             errors.append(np.abs(np.abs(along[wall]) - fitted.half_widths[own]).max())
     return np.array(errors)
+
+
+def rays(place: Place, point: np.ndarray, ways: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What rays from a point meet: (n,) metres, infinite where nothing is; (n, 3) unit normals, to either side."""
+    reached, nothing = _leave(place, point, ways)
+    normals = np.zeros_like(ways)
+    for each in place.inside:
+        _note_faces(each, point + reached[:, None] * ways, normals)
+    for thing in place.things:
+        enters, leaves = _slabs(thing, point, ways)
+        closer = (leaves > enters) & (enters > 0.0) & (enters < reached)
+        reached, nothing = np.where(closer, enters, reached), nothing & ~closer
+        _note_faces(thing, np.where(closer[:, None], point + enters[:, None] * ways, np.inf), normals)
+    return np.where(nothing, np.inf, reached), normals
+
+
+def _note_faces(each: Box, points: np.ndarray, normals: np.ndarray) -> None:
+    """Write the normals of the faces that points (n, 3) lie on into (n, 3)."""
+    places = np.abs(each.coordinates(np.where(np.isfinite(points), points, 1e9)))
+    off = np.abs(places - each.half_widths)
+    axis = off.argmin(-1)
+    on = (off.min(-1) < 1e-6) & (places <= each.half_widths + 1e-6).all(-1)
+    normals[on] = each.face_normals[axis[on]]

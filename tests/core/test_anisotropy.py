@@ -11,6 +11,7 @@ from pcc_addon.core.effects.glossy import Glossy
 from pcc_addon.core.effects.surface import Ray, SurfaceEffects, surface, surface_effects
 from pcc_addon.core.ggx import reflected_samples
 from tests.core import scenes
+from tests.core.lobes import both_sides
 
 UP, TANGENT = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 AZIMUTHS = np.radians([0.0, 30.0, 60.0, 90.0])
@@ -78,7 +79,7 @@ def radiance(direction: np.ndarray) -> np.ndarray:
 
 def level(direction: np.ndarray, roughness: float) -> float:
     """The mean of the room over the lobe that a level is blurred by."""
-    _, around, leaving = reflected_samples(1.0, roughness, 64)
+    around, leaving = both_sides(*reflected_samples(1.0, roughness, 64)[1:])
     aside = np.cross(direction, [0.3, -0.8, 0.5])
     aside /= np.linalg.norm(aside)
     frame = np.stack([aside, np.cross(direction, aside), direction])

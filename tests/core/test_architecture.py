@@ -84,6 +84,12 @@ def test_only_compat_asks_which_blender_is_running(path: Path) -> None:
     assert reads == (_name(path) == "pcc_addon/blender/compat.py")
 
 
+def test_paths_of_users_are_followed_by_what_refuses_no_link() -> None:
+    """`workplace.real` says which; files of the add-on's own are no links to themselves."""
+    lines = [line for path in SOURCES for line in path.read_text(encoding="utf-8").splitlines()]
+    assert [line for line in lines if ".resolve()" in line and "Path(__file__).resolve()" not in line] == []
+
+
 def test_every_core_module_imports_where_blender_is_missing() -> None:
     script = f"BLOCKED = {sorted(BLENDER_MODULES)!r}\n{IMPORT_CORE_WITHOUT_BLENDER}"
     run = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=60)

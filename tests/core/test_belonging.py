@@ -78,6 +78,12 @@ def test_what_reaches_beyond_the_box_leaves_and_what_reaches_its_walls_touches()
         assert found.touching == ({"Hall": {"Wood", "Iron"}} if touches else {}), size
 
 
+def test_an_object_that_is_not_to_show_a_probe_does_not_leave_its_box_and_may_leave_that_of_another() -> None:
+    hall, large = spec("Hall", influence=Influence(excluded=frozenset({"Vase"}))), spec("Large", half=2.2)
+    found = belongings([hall, large], [placement("Vase", "Wood", x=1.9)])
+    assert found.leaving == found.touching == {"Large": {"Wood"}} and found.refusing == {"Hall": {"Vase"}}
+
+
 def test_every_material_and_every_object_is_counted() -> None:
     placed = [placement("Table", "Wood", "Iron"), placement("Chair", "Wood", x=0.5), placement("Table", "Wood", x=-1.0)]
     found = belongings([spec("Hall")], placed)
@@ -155,3 +161,5 @@ def test_layers_go_by_priority_then_size_then_rank() -> None:
     assert layered(["A", "B", "Large"], specs) == ["Large", "B", "A"]
     specs["Large"] = spec("Large", half=9.0, influence=Influence(priority=1))
     assert layered(["B", "Large", "A"], specs) == ["A", "B", "Large"]
+    assert layered(["A", "B", "Large"], specs, {"A", "Large"}) == ["A", "B", "Large"], "priority comes first"
+    assert layered(["A", "B"], specs, {"A"}) == ["A", "B"], "then whose pictures are its own"

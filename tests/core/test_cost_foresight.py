@@ -9,6 +9,7 @@ import pytest
 from pcc_addon.core.accuracy.foresight import LONG, Foresight, renders
 from pcc_addon.core.accuracy.ladder import SAMPLES, ladder
 from pcc_addon.core.accuracy.records import Kind, Measurement, Settings
+from pcc_addon.core.accuracy.times import bake_work
 from pcc_addon.core.probe import Engine
 
 RUNG = Settings(Kind.PROBE, Engine.CYCLES, "BOX", 64, 16, frame_samples=4)
@@ -68,6 +69,26 @@ def test_the_ladder_has_each_rung_once_and_relief_only_where_it_can_be_set() -> 
             assert all(not rung.ray_tracing or engine is Engine.EEVEE for rung in rungs)
             assert any(rung.kind is Kind.SPHERE for rung in rungs) == (engine is Engine.EEVEE)
     assert not any(rung.half_float for rung in ladder(Engine.CYCLES, ("BOX",), halves=False))
+
+
+def test_two_probes_are_tried_with_the_best_correction_where_there_are_two() -> None:
+    rungs = ladder(Engine.EEVEE, ("NONE", "BOX", "RELIEF"), halves=True, pairs=True)
+    alone, paired = ([rung for rung in rungs if rung.paired is two] for two in (False, True))
+    assert {rung.correction for rung in paired} == {"RELIEF"}
+    assert {replace(rung, paired=False) for rung in paired} < set(alone)
+    assert all(bake_work(rung) == 2.0 * bake_work(replace(rung, paired=False)) for rung in paired)
+
+
+def test_what_was_measured_takes_as_long_again() -> None:
+    """A line through all that was measured may pass below it, and then the best once more would not end in time."""
+    dear = replace(RUNG, resolution=1024)
+    known = foresight(
+        measured(RUNG, 2.0, 0.5), measured(replace(RUNG, resolution=128), 2.0, 0.5), measured(dear, 90, 5)
+    )
+    assert known.seconds(dear, ()) >= 95.0
+    assert known.seconds(dear, (dear.bake_key,)) < 10.0
+    other_frames = replace(dear, frame_samples=64)
+    assert known.seconds(other_frames, ()) - known.seconds(other_frames, (dear.bake_key,)) >= 90.0
 
 
 def test_path_tracing_is_measured_raw_and_denoised_at_all_samples() -> None:

@@ -218,6 +218,7 @@ def test_the_script_runs_by_its_path_without_the_add_on(folder: Path, tmp_path: 
     assert len(done.stdout.splitlines()) == len(list((tmp_path / "drawn").iterdir())) == 6
 
 
+@pytest.mark.sweep
 @needs_matplotlib
 @pytest.mark.parametrize(
     "found",

@@ -54,6 +54,7 @@ def mean_angle(cosine: float, roughness: float, ior: float | None) -> float:
     return float(np.arctan2(-x, up))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("roughness", [0.2, 0.3, 0.45, 0.6])
 @pytest.mark.parametrize("ior", [None, 1.33, 1.5, 2.4])
 def test_the_direction_is_halfway_to_the_mean_of_the_lobes_light(ior: float | None, roughness: float) -> None:

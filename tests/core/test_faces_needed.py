@@ -74,6 +74,20 @@ def why(plan: ProbePlan) -> str:
     return decision.why
 
 
+def test_relief_may_end_at_what_stands_below_the_capture_point() -> None:
+    new = probe("Hall", capture_offset=(0.0, 0.0, -1.0), resolution=512, relief=True)
+    captured = replace(new, captured_at=(0.0, 0.0, -1.0))
+    for hall, needs_all in (
+        (new, True),
+        (replace(captured, departure=0.5), True),
+        (captured, True),  # by its box; distances are captured next
+        (replace(captured, departure=1e-4), False),
+    ):
+        plan = planned(scene(halls=(hall,)))
+        assert plan.faces == (FACE_NAMES if needs_all else WITHOUT_BELOW), hall
+        assert ("what stands in its box" in why(plan)) is needs_all
+
+
 def test_what_a_floor_cannot_mirror_is_not_captured_and_the_plan_says_so() -> None:
     plan = planned(scene())
     assert plan.faces == plan.shown_faces == WITHOUT_BELOW

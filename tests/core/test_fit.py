@@ -41,6 +41,7 @@ def one_room(seed: int, pieces: int) -> tuple[Place, Box]:
     return place, drawn_wrong(place.room, seed)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(12))
 def test_a_clean_room_is_found_to_half_a_millimetre(seed: int) -> None:
     place, drawn = one_room(seed, 0)
@@ -49,6 +50,7 @@ def test_a_clean_room_is_found_to_half_a_millimetre(seed: int) -> None:
     assert wall_errors(place.room, found.box).max() < HALF_MILLIMETRE
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(24))
 def test_a_furnished_room_is_found_to_five_millimetres(seed: int) -> None:
     place, drawn = one_room(seed, 8)
@@ -56,6 +58,7 @@ def test_a_furnished_room_is_found_to_five_millimetres(seed: int) -> None:
     assert wall_errors(place.room, found.box).max() < FIVE_MILLIMETRES
 
 
+@pytest.mark.heavy
 def test_the_furniture_hides_much_of_what_is_found() -> None:
     """So that the test before shows something."""
     covered = [wall.covered for seed in range(24) for wall in fitted(*one_room(seed, 8)).walls]
@@ -280,6 +283,7 @@ def test_a_capture_point_behind_furniture_moves_to_where_more_is_seen() -> None:
     assert fit.capture_offset == pytest.approx(fit.point_after, abs=1e-4), "this box is at the origin, along the axes"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(6))
 def test_a_suggested_point_is_clear_of_everything(seed: int) -> None:
     place, drawn = one_room(seed, 12)

@@ -8,7 +8,7 @@ import pytest
 from pcc_addon.core.accuracy import colours, misfit_pictures, misfit_words
 from pcc_addon.core.accuracy.misfit import Fit, Sightings, Viewers, at, misfit
 from pcc_addon.core.accuracy.sequences import evenly, sphere
-from pcc_addon.core.cubemap import FACES
+from pcc_addon.core.cubemap import CROSS, FACES
 from pcc_addon.core.errors import ProbeError
 from pcc_addon.core.probe import Source
 from tests.core import boxes
@@ -120,7 +120,7 @@ def test_a_picture_has_the_colours_of_its_metres_and_names_its_faces() -> None:
     assert unfolded.shape[1] == 4 * n and unfolded.shape[0] > 3 * n and whole.shape[1] == width
     assert (unfolded[: n - 1, : n - 1] == 24).all()  # no face lies there
     for face in FACES:
-        c, r = misfit_pictures._CROSS[face.name]
+        c, r = CROSS[face.name]
         middle = unfolded[r * n + n // 2, c * n + n // 2]
         expected = colours.as_bytes(misfit_pictures.coloured(at(fit.offsets, np.array(face.forward, float)), end))
         assert np.abs(middle.astype(int) - expected).max() <= 40, face.name
@@ -130,7 +130,7 @@ def test_a_picture_has_the_colours_of_its_metres_and_names_its_faces() -> None:
 
 def test_faces_of_the_cross_that_touch_show_the_same_where_they_do() -> None:
     ways = {f.name: (np.array(f.forward), np.array(f.right), np.array(f.up)) for f in FACES}
-    cells = {cell: name for name, cell in misfit_pictures._CROSS.items()}
+    cells = {cell: name for name, cell in CROSS.items()}
     for (column, row), name in cells.items():
         _, right, up = ways[name]
         if (column + 1, row) in cells:

@@ -10,6 +10,7 @@ from pcc_addon.core.decisions import Effect, Forced
 from pcc_addon.core.influence import Influence
 from pcc_addon.core.pictures import LADDER
 from pcc_addon.core.plan import make_plan
+from pcc_addon.core.probe import Source
 from pcc_addon.core.readings import (
     MaterialReading,
     SceneReading,
@@ -45,6 +46,13 @@ def test_where_two_probes_have_as_much_the_name_decides() -> None:
     for names in (("A", "B"), ("B", "A")):
         plan = plan_of(material("Wood"), probes=(probe(names[0]), probe(names[1], 10.0)), placements=placed)
         assert plan.probes == ("A", "B")
+
+
+def test_of_two_probes_in_one_place_the_one_with_pictures_of_its_own_comes_first() -> None:
+    both = (replace(probe("A"), copy_of="C"), probe("B"), probe("C", 10.0))
+    assert plan_of(material("Wood"), probes=both).probes == ("B", "A")
+    given = (replace(both[0], source=Source.IMAGE), *both[1:])
+    assert plan_of(material("Wood"), probes=given).probes == ("A", "B"), "a given picture is as good in any box"
 
 
 def test_each_surface_is_planned_on_its_own_and_the_one_left_is_named() -> None:

@@ -113,6 +113,7 @@ def test_the_records_say_everything() -> None:
         "probes": [],
         "objects": [],
         "surfaces": [],
+        "choices": [],
         "reasons": ["is linked; left as it is"],
         "effects": [],
     }
@@ -138,7 +139,16 @@ def test_the_records_say_everything() -> None:
                 "decisions": [],
             },
         ],
+        "choices": [],
         "reasons": [],
         "effects": [plain(decision) for decision in other.decisions],
     }
     assert note == {"about": "note", "note": "probe 'Broken' is faulty"}
+
+
+def test_what_was_chosen_is_told() -> None:
+    plan = make_plan(
+        SceneReading("S", (probe("A"),), (material("Wood", allowed=frozenset()),), (placement("O", "Wood"),))
+    )
+    told_choice = "its Show Probes is off"
+    assert f"    {told_choice}" in lines(plan) and [*records(plan)][1]["choices"] == [told_choice]

@@ -136,6 +136,7 @@ VIEWS = np.concatenate([[0.0005, 0.002, 0.01, 0.03], np.linspace(0.06, 1.0, 24)]
 SERVED = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6]  # up to the scene's usual limit
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("roughness", SERVED)
 @pytest.mark.parametrize(("ior", "level"), [(1.33, 0.5), (1.5, 0.25), (1.5, 0.5), (1.5, 1.0), (2.0, 0.5), (3.5, 0.5)])
 def test_a_rough_dielectric_reflects_the_fresnel_curve_averaged_over_its_lobe(
@@ -154,6 +155,7 @@ def test_a_rough_dielectric_reflects_the_fresnel_curve_averaged_over_its_lobe(
     np.testing.assert_allclose(left, 1.0 - reflected, atol=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("roughness", SERVED)
 @pytest.mark.parametrize("base", [0.02, 0.1, 0.5, 1.0])
 def test_a_rough_metal_reflects_schlicks_curve_averaged_over_its_lobe(base: float, roughness: float) -> None:

@@ -298,6 +298,31 @@ def test_it_knows_what_the_capture_point_cannot_see() -> None:
     assert np.allclose(seen(spec, at, np.array([up, up, along]), picture), [1.0, 0.0, 1.0], atol=1e-3)
 
 
+@pytest.mark.sweep
+@pytest.mark.parametrize(("steps", "refinements"), [(8, 3), (12, 4), (24, 6), (64, 12)])
+@pytest.mark.parametrize("rows", [256, 512])
+def test_what_passes_behind_an_edge_is_seen_nowhere_along_it(rng, steps, refinements, rows) -> None:
+    """Between two texels of an edge a ray seems to meet something; a second probe must be asked all the same."""
+    spec = room_spec(capture=(-2.0, 0.4, 0.3))
+    at, ray = floor_rays(rng, 20000, [TABLE])
+    way = exact_direction(spec, at, ray, [TABLE])
+    starts, ends = is_seen(spec, at, [TABLE]), is_seen(spec, spec.capture_point + way * (1.0 - 1e-4), [TABLE])
+    passes = starts & ~ends & np.isfinite(TABLE.distance(np.broadcast_to(spec.capture_point, way.shape), unit(way)))
+    deep = passes & np.array([_hidden_by(spec, point) for point in spec.capture_point + way])
+    effects = LookupEffects(Correction.ORIENTED_BOX, None, steps=steps, refinements=refinements)
+    picture = captured([TABLE], spec.capture_point, rows=rows)
+    shown = found(effects, inputs(spec, at, ray), picture)["Seen"].ravel()
+    assert deep.sum() > 200 and shown[deep].mean() < 0.05
+    assert shown[starts & ends].mean() > 0.9  # some pass behind the table on their way
+
+
+def _hidden_by(spec: ProbeSpec, point: np.ndarray) -> bool:
+    """Whether a point is a quarter farther from the capture point than what hides it."""
+    way = point - spec.capture_point
+    length = np.linalg.norm(way)
+    return bool(1.25 * TABLE.distance(spec.capture_point[None], way[None] / length)[0] < length)
+
+
 @settings(max_examples=200, deadline=None)
 @given(*[st.floats(0.0, 1.0)] * 4)
 def test_a_probe_yields_only_to_what_sees_better(weight, sees, before, coverage) -> None:

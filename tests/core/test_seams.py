@@ -98,6 +98,7 @@ def bends(picture: np.ndarray) -> list[np.ndarray]:
     ]
 
 
+@pytest.mark.sweep
 @EACH_PLACE
 @EACH_LEVEL
 def test_a_lamp_at_an_edge_or_corner_is_as_true_as_inside_a_face(place: str, roughness: float) -> None:

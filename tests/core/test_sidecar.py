@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pcc_addon.core import sidecar
 from pcc_addon.core.cubemap import FACE_NAMES, FACES
 from pcc_addon.core.errors import BakeError
 from pcc_addon.core.pictures import PictureKey, PictureKind
-from pcc_addon.core.probe import Source
+from pcc_addon.core.probe import Box, ProbeSpec, Source
 from pcc_addon.core.sequence import Moment
 from pcc_addon.core.sidecar import (
     PICTURE_NAME,
@@ -49,10 +51,11 @@ RECORD = Sidecar(
     addon="0.1.0",
     levels=(Level(KEYS[0], 0.0, "a.exr", 2048, 1024), Level(KEYS[1], 0.3, "b.exr", 512, 256, 4711, "0a")),
     replaced_pixels=("face +X: 1 negative pixels were replaced",),
+    date="2026-03-01T12:34:56+00:00",
 )
 
 
-DEFAULTED = {"departure", "half_float", "replaced_pixels", "source", "moments", "faces", "face_hashes"}
+DEFAULTED = {"departure", "half_float", "replaced_pixels", "source", "moments", "faces", "face_hashes", "date"}
 
 
 def edited(**changes: object) -> str:
@@ -82,7 +85,7 @@ def test_what_is_written_comes_back() -> None:
             Level,
             st.sampled_from(KEYS),
             st.floats(0.0, 1.0),
-            st.text(),
+            st.text(st.characters(exclude_characters="/\\:\0"), min_size=1).filter(lambda name: name.strip(".")),
             st.integers(1, 9999),
             st.integers(1, 9999),
             st.integers(0, 10**9),
@@ -374,3 +377,49 @@ def test_pictures_of_a_sequence_differ_in_a_number_at_the_end_and_belong_togethe
     assert digest_of_all(["a", "b"]) != digest_of_all(["b", "a"]) != digest_of_all(["ba"])
     for other in ("frame.0001.exr", f"{stem}.json", f"{stem}.r00000.exr"):
         assert file_family(other) == other
+
+
+def test_a_bake_knows_when_it_was_made_and_older_ones_do_not() -> None:
+    spec = ProbeSpec("Hall", Box(tuple(np.eye(4).ravel().tolist())))
+    before = datetime.now(UTC).replace(microsecond=0)
+    made = datetime.fromisoformat(
+        Sidecar.of_bake(spec, "5b0c", seconds=0.0, content_hash="", blender="", addon="").date
+    )
+    assert before <= made <= datetime.now(UTC)
+    assert Sidecar.from_json(edited(date=...), "here").date == ""
+
+
+@pytest.mark.parametrize("wrong", ["yesterday", "2026-03-01T12:34:56", 20260301, None])
+def test_a_date_that_is_none_is_refused(wrong: object) -> None:
+    refusal(edited(date=wrong))
+
+
+@pytest.mark.parametrize("content", [b"", bytes(50), RECORD.to_json().encode(), RECORD.to_json()[:40].encode()])
+def test_a_sidecar_takes_the_place_of_a_sidecar_or_of_nothing(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "hall.json"
+    assert sidecar.may_replace(path)
+    for written in (content, content.replace(b"\n", b"\r\n")):
+        path.write_bytes(written)
+        assert sidecar.may_replace(path)
+
+
+@pytest.mark.parametrize("content", [b"{}", b"Dear Sir", b'{\n "format": "another",' + bytes(40), b" " * 40])
+def test_a_sidecar_takes_no_other_place(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "hall.json").write_bytes(content)
+    assert not sidecar.may_replace(tmp_path / "hall.json")
+    assert not sidecar.may_replace(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "../a.exr", "/a.exr", "b\\a.exr", "C:a.exr", "a\0.exr"])
+def test_a_record_names_files_and_no_paths(name: str) -> None:
+    levels = [{**level, "file": name} for level in json.loads(RECORD.to_json())["levels"]]
+    with pytest.raises(BakeError, match="name of a file"):
+        Sidecar.from_json(edited(levels=levels), "hall.json")
+
+
+def test_what_is_too_large_for_a_sidecar_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "hall.json"
+    with path.open("wb") as file:
+        file.truncate(2**28 + 1)
+    with pytest.raises(BakeError, match="too large"):
+        sidecar.read_file(path)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
 from pcc_addon.core import workplace
-from pcc_addon.core.workplace import UNFINISHED, aside, remove_abandoned, temporary_folder
+from pcc_addon.core.errors import PccError
+from pcc_addon.core.workplace import UNFINISHED, aside, real, remove_abandoned, temporary_folder
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="elsewhere nobody can ask whether a process runs")
 
@@ -72,3 +75,46 @@ def test_what_cannot_be_told_stays(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_not_there_is_no_fault(tmp_path: Path) -> None:
     remove_abandoned(UNFINISHED, tmp_path / "nowhere")
+
+
+def test_a_file_is_written_whole_and_not_through_a_link(tmp_path: Path) -> None:
+    mine, note = tmp_path / "mine", tmp_path / "note.json"
+    mine.write_text("mine")
+    note.symlink_to(mine)
+    workplace.write_whole(note, "told")
+    assert (mine.read_text(), note.read_text(), note.is_symlink()) == ("mine", "told", False)
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError):
+        workplace.write_whole(tmp_path / "folder", "told")
+    assert {path.name for path in tmp_path.iterdir()} == {"mine", "note.json", "folder"}
+
+
+def test_what_blender_wrote_aside_is_discarded_too(tmp_path: Path) -> None:
+    for name in ("a.blend", "a.blend@", "b.blend@"):
+        (tmp_path / name).write_text("half")
+    workplace.discard(tmp_path / "a.blend")
+    workplace.discard(tmp_path / "nowhere" / "a.blend")
+    assert [path.name for path in tmp_path.iterdir()] == ["b.blend@"]
+
+
+def test_where_no_temporary_folder_can_be_made_its_place_is_named(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere"))
+    with ExitStack() as stack, pytest.raises(PccError, match=r"nowhere.*free space"):
+        workplace.workplace(stack)
+
+
+def test_a_second_name_is_a_copy_where_there_can_be_none(tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "a").write_text("it")
+    workplace.link(tmp_path / "a", tmp_path / "b")
+    monkeypatch.setattr(os, "link", lambda *_: (_ for _ in ()).throw(OSError("none here")))
+    workplace.link(tmp_path / "a", tmp_path / "c")
+    assert (tmp_path / "b").read_text() == (tmp_path / "c").read_text() == "it"
+
+
+def test_links_are_followed_and_one_to_itself_stays(tmp_path: Path) -> None:
+    """`Path.resolve` refuses it up to Python 3.12, with an error that is no `OSError`."""
+    (tmp_path / "there").mkdir()
+    (tmp_path / "link").symlink_to("there")
+    (tmp_path / "loop").symlink_to("loop")
+    assert real(tmp_path / "link" / "a.exr") == tmp_path.resolve() / "there" / "a.exr"
+    assert real(str(tmp_path / "loop")) == tmp_path.resolve() / "loop"

@@ -11,7 +11,7 @@ pytest.importorskip("bpy", reason="needs Blender as a module to make the zip and
 import bpy
 
 from tests.packaging.extension import build
-from tests.window.real import run
+from tests.window.real import install
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, addon: None) -> Path:
     from sample_blends.scenes import emissive_room
 
     place = tmp_path_factory.mktemp("real")
-    run("-b", "--command", "extension", "install-file", "-r", "user_default", "--enable", str(build(place)), cwd=place)
+    install(build(place), place)
     emissive_room()
     bpy.ops.pcc.probe_add(name="Room", location=room.centre, rotation=(0, 0, room.turn), half_extents=room.half_extents)
     probe = bpy.data.objects["Room"].pcc_probe

@@ -11,16 +11,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
-import gpu
-import numpy as np
 from mathutils import Euler, Vector
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 sys.path.insert(0, str(FOLDER))  # where the script beside this one is too
-from driving import drive  # noqa: E402
+from driving import drawn_region, drive, keep_png  # noqa: E402
 
-UI = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.misfit"))
-VIEW = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.misfit_view"))
+UI = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.panels.fit"))
+VIEW = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.viewport.misfit"))
 FOUND: dict[str, object] = {"pictures": {}}
 _wanted = ""  # what the next drawn pictures are of
 
@@ -29,19 +27,13 @@ def keep_picture(area: str) -> None:
     """Save what was drawn of a region."""
     if not _wanted:
         return
-    x, y, width, height = gpu.state.viewport_get()
-    pixels = gpu.state.active_framebuffer_get().read_color(x, y, width, height, 4, 0, "UBYTE")
-    pixels.dimensions = width * height * 4
-    drawn = np.array(pixels, np.uint8).reshape(height, width, 4)
+    drawn = drawn_region()
     name = f"{_wanted}, {area}"
     colours = drawn[..., :3].astype(int)
     magenta = (colours[..., 0] > 180) & (colours[..., 1] < 60) & (colours[..., 2] < 140)
     red = (colours[..., 0] > colours[..., 2] + 60) & ~magenta
     FOUND["pictures"][name] = {"magenta": int(magenta.sum()), "red": int(red.sum())}
-    image = bpy.data.images.new(name, width, height)
-    image.pixels.foreach_set((drawn.astype(np.float32) / 255.0).ravel())
-    image.file_format, image.filepath_raw = "PNG", str(FOLDER / f"{name}.png")
-    image.save()
+    keep_png(drawn, FOLDER / f"{name}.png")
 
 
 def prepare(window: bpy.types.Window) -> None:

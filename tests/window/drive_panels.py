@@ -10,32 +10,38 @@ import glob
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import bpy
-import gpu
-import numpy as np
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 sys.path.insert(0, str(FOLDER))  # where the script beside this one is too
-from driving import drive  # noqa: E402
+from driving import colours_of, drawn_region, drive, keep_png  # noqa: E402
 
-LAST_PLAN = next(module for name, module in sys.modules.items() if name.endswith("pcc_addon.ui.last_plan"))
+
+def module(name: str) -> ModuleType:
+    """A module of the installed add-on."""
+    return next(found for known, found in sys.modules.items() if known.endswith(f"pcc_addon.ui.{name}"))
+
+
+LAST_PLAN, THUMBNAILS, REGISTERING = module("kept.last_plan"), module("kept.thumbnails"), module("registering")
 FOUND: dict[str, object] = {"pictures": {}}
 _wanted = ""  # what the next drawn pictures are of
+_ALL, _PAGE = 9000, 600  # pixels to scroll
 
 
 def prepare(window: bpy.types.Window) -> None:
-    """Nothing but our panels, those of effects open, in a narrow column and where the 3D view was."""
+    """Nothing but our panels, all of them open, in a narrow column and where the 3D view was."""
     preferences = bpy.context.preferences
     preferences.use_preferences_save, preferences.view.show_splash = False, False
-    for panel in bpy.types.Panel.__subclasses__():
-        context = getattr(panel, "bl_context", "")
-        ours = panel.__name__.startswith("PCC_")
-        if ours and panel.bl_label == "Effects":
-            bpy.utils.unregister_class(panel)
-            panel.bl_options = set()
-            bpy.utils.register_class(panel)
-        elif not ours and context in {"data", "material"}:
+    mine = [cls for cls in REGISTERING._classes() if issubclass(cls, bpy.types.Panel)]
+    for panel in reversed(mine):
+        bpy.utils.unregister_class(panel)
+    for panel in mine:  # in their order
+        panel.bl_options = getattr(panel, "bl_options", set()) - {"DEFAULT_CLOSED"}
+        bpy.utils.register_class(panel)
+    for panel in set(bpy.types.Panel.__subclasses__()) - set(mine):
+        if getattr(panel, "bl_context", "") in {"data", "material", "scene"}:
             panel.poll = classmethod(lambda cls, context: False)
             if panel.__module__.startswith("bl_ui.") and panel.is_registered:  # others go with their add-on
                 with contextlib.suppress(RuntimeError):  # went with its parent
@@ -51,16 +57,10 @@ def keep_picture() -> None:
     """Save what was drawn of a region."""
     if not _wanted:
         return
-    x, y, width, height = gpu.state.viewport_get()
-    pixels = gpu.state.active_framebuffer_get().read_color(x, y, width, height, 4, 0, "UBYTE")
-    pixels.dimensions = width * height * 4
-    drawn = np.array(pixels, np.uint8).reshape(height, width, 4)
-    name = f"{_wanted} {'wide' if width > 500 else 'narrow'}"
-    FOUND["pictures"][name] = len(np.unique(drawn[..., :3].reshape(-1, 3), axis=0))
-    image = bpy.data.images.new(name, width, height)
-    image.pixels.foreach_set((drawn.astype(np.float32) / 255.0).ravel())
-    image.file_format, image.filepath_raw = "PNG", str(FOLDER / f"{name}.png")
-    image.save()
+    drawn = drawn_region()
+    name = f"{_wanted} {'wide' if drawn.shape[1] > 500 else 'narrow'}"
+    FOUND["pictures"][name] = colours_of(drawn)
+    keep_png(drawn, FOLDER / f"{name}.png")
 
 
 def screen() -> bpy.types.Screen:
@@ -76,11 +76,25 @@ def show(tab: str, name: str) -> Iterator[None]:
         if area.type == "PROPERTIES":
             area.spaces.active.context = tab
     yield
+    scroll(-_ALL)
+
+
+def scroll(pixels: int) -> None:
+    """Scroll all that is shown, down where that is below 0."""
     for area in screen().areas:
         for region in area.regions:
             if area.type == "PROPERTIES" and region.type == "WINDOW":
                 with bpy.context.temp_override(area=area, region=region):
-                    bpy.ops.view2d.pan(deltax=0, deltay=-5000)  # to the end
+                    bpy.ops.view2d.pan(deltax=0, deltay=pixels)
+
+
+def pages(name: str) -> Iterator[None]:
+    """Pictures of all that the tabs of an object or a scene show, a page each."""
+    scroll(_ALL)
+    for page in (1, 2, 3):
+        yield from pictures(f"{name} {page}")
+        scroll(-_PAGE)
+    scroll(-_ALL)
 
 
 def redraw() -> None:
@@ -106,6 +120,16 @@ def steps() -> Iterator[None]:
     yield from pictures("probe, not planned")
     bpy.ops.pcc.plan()
     yield from pictures("probe")
+    yield from pages("tab")
+    bpy.data.objects[probe].pcc_probe.correction = "RELIEF"
+    bpy.data.objects[probe].pcc_probe.falloff_per_face = True
+    yield from pages("tab, more settings")
+    bpy.data.objects[probe].pcc_probe.correction = "BOX"
+    bpy.data.objects[probe].pcc_probe.falloff_per_face = False
+    FOUND["pictures of the bake"] = len(THUMBNAILS._collection)
+    yield from show("SCENE", probe)
+    yield from pictures("scene")
+    bpy.ops.pcc.plan()
     material = next(material for material in LAST_PLAN.of(scene).plan.materials if material.probes)
     receiver = material.objects[0][0]
     yield from show("MATERIAL", receiver)
@@ -121,12 +145,16 @@ def steps() -> Iterator[None]:
     LAST_PLAN.plan_scene = planned
     yield from choose(probe)
     bpy.data.objects[receiver].location.x += 0.01
-    yield
+    bpy.context.view_layer.update()
     FOUND["late after a move"] = LAST_PLAN.of(bpy.context.scene).late
     [light] = glob.glob(f"{bpy.utils.resource_path('SYSTEM')}/**/Blender_Light.xml", recursive=True) or [""]
     if light:
         bpy.ops.script.execute_preset(filepath=light, menu_idname="USERPREF_MT_interface_theme_presets")
         yield from pictures("probe, light")
+        yield from show("DATA", probe)
+        yield from pages("tab, light")
+        yield from show("SCENE", probe)
+        yield from pictures("scene, light")
         yield from show("MATERIAL", receiver)
         yield from pictures("material, light")
 

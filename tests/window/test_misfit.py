@@ -8,7 +8,7 @@ import pytest
 
 from tests.window.real import MARKS, driven
 
-pytestmark = MARKS
+pytestmark = [*MARKS, pytest.mark.heavy]
 OUTPUT = Path(__file__).parents[1] / "output" / "misfit"
 
 

@@ -1,4 +1,4 @@
-"""The panels of effects as a real Blender draws them. Pictures are kept in `tests/output/panels`, to be looked at."""
+"""The panels as a real Blender draws them. Pictures are kept in `tests/output/panels`, to be looked at."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from tests.window.real import MARKS, driven, run
 
-pytestmark = MARKS
+pytestmark = [*MARKS, pytest.mark.heavy]
 OUTPUT = Path(__file__).parents[1] / "output" / "panels"
 
 
@@ -30,6 +30,9 @@ def found(folder: Path) -> dict[str, object]:
         "material, injected",
         "probe, light",
         "material, light",
+        "scene",
+        "scene, light",
+        *(f"{tab} {page}" for tab in ("tab", "tab, more settings", "tab, light") for page in (1, 2, 3)),
     ],
 )
 def test_panels_are_drawn(found, name: str, width: str) -> None:
@@ -48,3 +51,7 @@ def test_the_plan_is_late_after_a_change_and_not_after_what_it_ordered(found) ->
 def test_a_choice_shows_at_once_is_planned_and_is_one_undo_step(found) -> None:
     assert found["shown at once"] and found["forced"] == ["weight"]
     assert found["undone"] == ["AUTO", True]
+
+
+def test_the_pictures_of_a_bake_are_made_by_themselves(found) -> None:
+    assert found["pictures of the bake"] == 2, "a ball and a cross"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from tests.window.real import MARKS, run
 
 pytestmark = MARKS
@@ -29,6 +31,7 @@ def test_operators_work_in_the_background(folder: Path) -> None:
     assert "MATERIALS {'FINISHED'}" in done.stdout, done.stdout + done.stderr
 
 
+@pytest.mark.heavy
 def test_accuracy_is_measured_by_a_second_blender(folder: Path) -> None:
     script = "import bpy; print('COST', bpy.ops.pcc.cost(width=64, budget=40))"
     done = run("--background", "room.blend", "--python-expr", script, cwd=folder)

@@ -12,6 +12,7 @@ from ...core.errors import PccError
 from ..fitting import FitJob, apply_fit
 from ..read.probes import named_probes
 from .bench import apply
+from .partner import partner_of
 
 
 def results_folder(blend: Path) -> Path:
@@ -29,7 +30,8 @@ def _fit(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, probe: bpy.typ
 def apply_to(
     scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, report: CostReport, found: Advice
 ) -> bpy.types.Object:
-    """Write the recommended settings into the probe that was measured; its bake is out of date then.
+    """Write the recommended settings into the probe that was measured, and into the one that shares the room where both
+    are recommended; their bakes are out of date then.
 
     Where path tracing wins the probe remembers why, and the plan says so.
 
@@ -44,6 +46,9 @@ def apply_to(
     (probe,) = named_probes(scene, [report.probe])
     settings = report.measurements[found.recommended].settings
     apply(probe, settings)
+    partner = partner_of(probe, scene, view_layer) if settings.paired else None
+    if partner is not None:
+        apply(partner, settings)
     if settings.fitted:
         _fit(scene, view_layer, probe)
     probe.pcc_probe.advice = found.sentences[0] if found.winner is Winner.PATH else ""

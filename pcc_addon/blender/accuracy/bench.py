@@ -31,7 +31,8 @@ from ..read.probes import bake_record
 from ..rendering import Frame, Renderer, RenderSettings
 from ..shade import injection
 from ..store import pictures
-from ..store.keeping import keep, linked, own_images
+from ..store.keeping import show_files
+from .partner import partner_of
 from .samplers import fullest
 
 _SLOW = 1.0  # seconds of a frame, where none was rendered
@@ -59,13 +60,13 @@ class KeptBake:
 
     Attributes:
         folder: where its pictures are.
-        record: of it, as the probe keeps it.
+        records: of it, as each probe that was baked keeps it.
         seconds: it took.
         megabytes: on disk, with the levels that materials asked for.
     """
 
     folder: Path
-    record: str
+    records: tuple[str, ...]
     seconds: float
     megabytes: float
 
@@ -108,6 +109,7 @@ class Bench:
         last_bake: what was baked last.
         quickest: seconds of the frame that took least.
         fit: the box and the capture point of rungs that are fitted; None: nothing fits better than the probe's own.
+        partner: the probe that shares the room, which only paired rungs show; None: there is none.
     """
 
     def __init__(
@@ -135,6 +137,7 @@ class Bench:
         self._bakes: dict[tuple, KeptBake] = {}
         self._drawn = _Drawn.of(probe)
         self.fit: Fit | None = None
+        self.partner = partner_of(probe, scene, view_layer)
         self._flat: set[bool] = set()  # whether fitted: rooms in which nothing stands
         self._loaded: tuple | None = None  # the key of the bake that the probe has
         self._shown: tuple = ()  # the lookup that materials show
@@ -150,10 +153,11 @@ class Bench:
         """The keys of the bakes that are there and need not be made again."""
         return frozenset(self._bakes)
 
-    def bake(self, settings: Settings, seed: int) -> Iterator[str]:
+    def bake(self, settings: Settings, seed: int, most_seconds: float = 0.0) -> Iterator[str]:
         """Bake the probe as a rung says and let materials show it; yields what is done next.
 
-        The bake that the iterator made is `last_bake`. Closing the iterator gives the bake up.
+        The bake that the iterator made is `last_bake`. Closing the iterator gives the bake up. A face by Cycles ends
+        after `most_seconds`, unless they are 0, with too few samples: the bake is to be given up then.
 
         Raises:
             PccError: the bake failed.
@@ -166,7 +170,8 @@ class Bench:
         seconds = 0.0
         with ExitStack() as stack:
             override(stack, self._scene.cycles, "seed", seed)
-            job = BakeJob(self._scene, self._view_layer, [self._probe], folder, STILL)
+            probes = self._baked_by(settings)
+            job = BakeJob(self._scene, self._view_layer, probes, folder, STILL, most_seconds=most_seconds)
             stack.callback(job.cancel)
             more = True
             while more:
@@ -180,8 +185,9 @@ class Bench:
         self._loaded = settings.bake_key
         self._scene.pcc.folder = str(folder)  # where injecting puts levels that it finds missing
         self.show(settings)
+        records = tuple(probe.pcc_probe.bake_record for probe in self._baked_by(settings))
         size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
-        self.last_bake = KeptBake(folder, self._probe.pcc_probe.bake_record, seconds, size)
+        self.last_bake = KeptBake(folder, records, seconds, size)
         self._bakes[settings.bake_key] = self.last_bake
         record = bake_record(self._probe)
         if record is not None and record.departure is not None and record.departure <= DEPARTS:
@@ -227,11 +233,18 @@ class Bench:
 
     def _apply(self, settings: Settings) -> None:
         """Write a rung into the probe, and give it the box of the fit or its own."""
-        apply(self._probe, settings)
+        if self.partner is not None:
+            self.partner.pcc_probe.is_probe = settings.paired
+        for probe in self._baked_by(settings):
+            apply(probe, settings)
         self._drawn.restore(self._probe)
         if settings.fitted:
             apply_fit(self._probe, self.fit, self._view_layer)
         self._view_layer.update()
+
+    def _baked_by(self, settings: Settings) -> list[bpy.types.Object]:
+        """The probes that a rung bakes."""
+        return [self._probe, self.partner] if settings.paired else [self._probe]
 
     def samplers(self) -> int:
         """Of the material with the most, as EEVEE counts them."""
@@ -264,10 +277,11 @@ class Bench:
     def _load(self, settings: Settings) -> None:
         """Give the probe the pictures of a bake that was made before."""
         kept = self.bake_of(settings)
-        record, holders = Sidecar.from_json(kept.record, f"bake record of '{self._probe.name}'"), Holders()
+        holders = Holders()
         with pictures.desk():
-            images = linked(kept.folder, record.levels, own_images(self._probe, holders), self._probe)
-            keep(self._probe, record, images, holders)
+            for probe, text in zip(self._baked_by(settings), kept.records, strict=True):
+                record = Sidecar.from_json(text, f"bake record of '{probe.name}'")
+                show_files(probe, record, kept.folder, holders)
         self._scene.pcc.folder = str(kept.folder)
         self._loaded, self._shown = settings.bake_key, ()
 

@@ -6,6 +6,7 @@ The open file is changed as the measurement needs it; open it again afterwards.
 from __future__ import annotations
 
 from collections.abc import Generator
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
 import bpy
@@ -14,7 +15,7 @@ from ...core.accuracy.metrics import noise_of_halves, relative_rmse, without_noi
 from ...core.errors import ProbeError
 from ...core.fit.records import Fit
 from ...core.probe import Engine
-from ...core.workplace import WORKPLACE, temporary_folder
+from ...core.workplace import workplace
 from . import truth
 from .bench import Bench, own_settings
 from .question import Question, subject_of
@@ -48,8 +49,8 @@ def picture_errors(
     subject = subject_of(Question(probe=probe.name, width=_WIDTH), scene, view_layer)
     scene.camera = subject.camera
     [number] = subject.frames
-    with temporary_folder(WORKPLACE) as folder:
-        bench = Bench(scene, view_layer, probe, subject.size, subject.frames, folder)
+    with ExitStack() as stack:
+        bench = Bench(scene, view_layer, probe, subject.size, subject.frames, workplace(stack))
         bench.fit = fit
         own = own_settings(probe, subject.engine, _FRAME_SAMPLES)
         denoise = subject.engine is Engine.CYCLES

@@ -28,7 +28,7 @@ from ...core.accuracy.records import CostReport, Kind, Measurement, Settings, Tr
 from ...core.accuracy.refine import next_rung
 from ...core.accuracy.results import ResultsFolder
 from ...core.errors import PccError
-from ...core.workplace import WORKPLACE, temporary_folder
+from ...core.workplace import workplace
 from ..stepping import SteppedJob
 from . import truth
 from .bench import Bench, corrections, own_settings
@@ -108,7 +108,7 @@ class CostJob(SteppedJob):
         self._kept = ResultsFolder(self._folder)
         self._open_kept()
         self._scene.camera = subject.camera
-        bakes = self._stack.enter_context(temporary_folder(WORKPLACE))
+        bakes = workplace(self._stack)
         self._bench = Bench(self._scene, self._view_layer, subject.probe, subject.size, subject.frames, bakes)
         yield from self._bench.find_fit()
         yield from self._find_served(own)
@@ -188,8 +188,8 @@ class CostJob(SteppedJob):
     def _climb(self, own: Settings) -> Iterator[str]:
         """Measure rung after rung, as long as there is time for one and for measuring the best once more."""
         halves = "half_float" in self._subject.probe.pcc_probe.bl_rna.properties
-        fits = self._bench.fit is not None
-        all_rungs = (*ladder(self._subject.engine, corrections(), halves=halves, fits=fits), own)
+        fits, pairs = self._bench.fit is not None, self._bench.partner is not None
+        all_rungs = (*ladder(self._subject.engine, corrections(), halves=halves, fits=fits, pairs=pairs), own)
         while (rung := self._next([each for each in all_rungs if not self._bench.is_needless(each)])) is not None:
             yield from self._measured(rung, _SEED)
 
@@ -213,7 +213,7 @@ class CostJob(SteppedJob):
     def _measured(self, rung: Settings, seed: int) -> Iterator[str]:
         """Measure a rung and keep what was found; a bake that takes too long is given up."""
         if rung.kind is Kind.PROBE and rung.bake_key not in self._bench.baked:
-            with closing(self._bench.bake(rung, seed)) as bake:
+            with closing(self._bench.bake(rung, seed, most_seconds=max(self._left, 0.1))) as bake:
                 for message in bake:
                     yield f"{label(rung)}: {message}"
                     if self._left < 0.0:

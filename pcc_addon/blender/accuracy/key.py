@@ -13,6 +13,7 @@ from ...core.probe import ProbeSpec
 from ...version import ADDON_VERSION
 from ..read.fingerprint import SceneFingerprint
 from ..read.probes import probe_spec
+from .partner import partner_of
 from .question import Subject
 
 _LENS = (
@@ -29,9 +30,12 @@ def run_key(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, subject: Su
     """
     spec = probe_spec(subject.probe)
     camera = subject.camera
+    partner = partner_of(subject.probe, scene, view_layer)
+    fingerprint = SceneFingerprint(scene, view_layer)
     parts = [
-        SceneFingerprint(scene, view_layer).content_hash(_at_its_default(spec)),
+        fingerprint.content_hash(_at_its_default(spec)),
         _plain(spec.influence),
+        fingerprint.content_hash(_at_its_default(probe_spec(partner))) if partner else "",
         spec.box.axes.tolist(),
         spec.box.centre.tolist(),
         [spec.padding, spec.falloff, spec.outside.value, spec.contact_hardening],

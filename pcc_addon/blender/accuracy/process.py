@@ -1,23 +1,19 @@
-"""A cost run in a Blender of its own, on a copy of the open file: that one stays as it is, and its window alive."""
+"""A cost run in a second Blender, on a snapshot of the open file."""
 
 from __future__ import annotations
 
-import json
-import os
-import queue
-import subprocess
-import sys
-import threading
-from collections.abc import Sequence
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 from ...core.accuracy import files
 from ...core.accuracy.records import CostReport
 from ...core.errors import Cancelled, PccError
-from ...core.workplace import WORKPLACE, aside, temporary_folder
+from ...core.workplace import workplace
+from ..second_blender import SecondBlender, snapshot
 from .applying import results_folder
 from .question import Question
 
@@ -55,13 +51,12 @@ class CostProcess:
         self.folder = folder or results_folder(blend)
         self._errors: list[str] = []
         self._told_results = False
-        self._lines: queue.Queue[str | None] = queue.Queue()
-        self._stack = ExitStack()
-        with ExitStack() as unless_begun:
-            unless_begun.callback(self._stack.close)
-            copy = self._saved_copy(blend)
-            self._process = self._started(copy, _arguments(question, blend, self.folder, resume=resume))
-            unless_begun.pop_all()
+        with ExitStack() as stack:
+            place = workplace(stack)
+            copy = snapshot(stack, place)
+            asked = _arguments(question, blend, self.folder, resume=resume)
+            self._blender = SecondBlender(copy, "cost", asked, place)
+            self._stack = stack.pop_all()
 
     def step(self) -> bool:
         """Take the news; False once the run has ended.
@@ -70,14 +65,11 @@ class CostProcess:
             PccError: it failed; says why.
             Cancelled: somebody stopped it.
         """
-        try:
-            line = self._lines.get(timeout=_PATIENCE)
-            while line is not None:
-                self._heed(line)
-                line = self._lines.get_nowait()
-        except queue.Empty:
+        for event in self._blender.news(_PATIENCE):
+            self._heed(event)
+        code = self._blender.code
+        if code is None:
             return True
-        code = self._process.wait()
         self._stack.close()
         if code == _CANCELLED:
             raise Cancelled("the measurements were stopped; what was measured is kept")
@@ -91,12 +83,7 @@ class CostProcess:
 
     def cancel(self) -> None:
         """Stop; what was measured is kept."""
-        self._process.terminate()
-        try:
-            self._process.wait(_GRACE)
-        except subprocess.TimeoutExpired:  # in the middle of a render
-            self._process.kill()
-            self._process.wait()
+        self._blender.stop(_GRACE)
         self._stack.close()
         self.message = "Cancelled"
 
@@ -110,56 +97,7 @@ class CostProcess:
             raise
         return self.report
 
-    def _saved_copy(self, blend: Path) -> Path:
-        """A copy of the open file, beside it so that all that it names is found; removed in the end."""
-        if bpy.data.filepath:
-            copy = aside(blend)
-        else:
-            copy = self._stack.enter_context(temporary_folder(WORKPLACE)) / blend.name
-        self._stack.callback(copy.unlink, missing_ok=True)
-        try:
-            bpy.ops.wm.save_as_mainfile(filepath=str(copy), copy=True, check_existing=False)
-        except RuntimeError as error:
-            why = " ".join(str(error).split())[:200]
-            raise PccError(f"no copy can be saved beside '{blend}' ({why}); make the folder writable") from error
-        return copy
-
-    def _started(self, blend: Path, arguments: Sequence[str]) -> subprocess.Popen[str]:
-        """The run, whose lines a thread collects, the last of them None."""
-        package = Path(__file__).resolve().parents[2]
-        environment = dict(os.environ)
-        if bpy.app.binary_path:
-            command = [bpy.app.binary_path, "--background", str(blend), "--command", "pcc", "cost"]
-        else:
-            command = [sys.executable, "-m", package.name, "cost", str(blend)]
-            known = environment.get("PYTHONPATH")
-            environment["PYTHONPATH"] = os.pathsep.join([str(package.parent), *([known] if known else [])])
-        try:
-            process = subprocess.Popen(
-                [*command, *arguments],
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                encoding="utf-8",
-                errors="replace",
-            )
-        except OSError as error:
-            raise PccError(f"no second Blender can be started ({error.strerror})") from error
-        threading.Thread(target=self._collect, args=(process,), daemon=True).start()
-        return process
-
-    def _collect(self, process: subprocess.Popen[str]) -> None:
-        with process.stdout as lines:
-            for line in lines:
-                self._lines.put(line)
-        self._lines.put(None)
-
-    def _heed(self, line: str) -> None:
-        try:
-            event = json.loads(line)
-        except ValueError:  # of Blender itself
-            return
+    def _heed(self, event: Mapping[str, Any]) -> None:
         match event:
             case {"event": "progress", "progress": progress, "message": message}:
                 self.progress, self.message = progress, message
@@ -184,4 +122,4 @@ def _arguments(question: Question, blend: Path, folder: Path, *, resume: bool) -
     found = [f"{name}={value}" for name, value in given.items() if value]
     flags = {"--quick": question.quick, "--resume": resume}
     found += [name for name, is_set in flags.items() if is_set]
-    return ["--json", f"--frames={question.frames}", f"--out={folder}", f"--called={blend.name}", *found]
+    return [f"--frames={question.frames}", f"--out={folder}", f"--called={blend.name}", *found]

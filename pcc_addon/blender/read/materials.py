@@ -24,13 +24,24 @@ def read_material(material: bpy.types.Material) -> MaterialReading:
     shown = tuple(sorted({g.name for g in _probe_groups(material.node_tree)})) if material.node_tree else ()
     if material.library:
         obstacle = f"is linked from '{material.library.filepath}': inject it there, or make it local"
+    elif material.override_library:
+        library = material.override_library.reference.library
+        obstacle = f"is a library override, whose nodes are those of '{library.filepath}': inject it there"
     elif material.grease_pencil:
         obstacle = "is a grease pencil material"
     elif not compat.uses_nodes(material):
         obstacle = "uses no nodes: switch Use Nodes on"
     else:
         return _read_nodes(material, shown)
-    return MaterialReading(material.name_full, obstacles=(obstacle,), shown=shown)
+    return MaterialReading(material.name_full, obstacles=(obstacle,), shown=shown, allowed=allowed_probes(material))
+
+
+def allowed_probes(material: bpy.types.Material) -> frozenset[str] | None:
+    """Names of the only probes that its user lets a material show; None: all, empty: none."""
+    settings = marks.original(material).pcc
+    if not settings.show_probes:
+        return frozenset()
+    return frozenset({settings.probe.name_full}) if settings.probe else None
 
 
 def _read_nodes(material: bpy.types.Material, shown: tuple[str, ...]) -> MaterialReading:
@@ -54,6 +65,7 @@ def _read_nodes(material: bpy.types.Material, shown: tuple[str, ...]) -> Materia
         bends_normals=material.cycles.use_bump_map_correction,
         shown=shown,
         forced=forced_of_material(marks.original(material)),
+        allowed=allowed_probes(material),
     )
 
 
@@ -133,5 +145,5 @@ def _probe_groups(tree: bpy.types.NodeTree) -> Iterator[bpy.types.NodeTree]:
         if marks.role(node) and node.bl_idname == "ShaderNodeGroup" and node.node_tree:
             if marks.role(node.node_tree) == "probe":
                 yield node.node_tree
-            elif marks.role(node.node_tree) == "copy":
+            elif marks.role(node.node_tree) == marks.TWIN_GROUP:
                 yield from _probe_groups(node.node_tree)

@@ -29,7 +29,12 @@ _AS_SET = [
 
 def all_probes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
     """The scene's own probes, by name; those linked from libraries show the bakes of their own files."""
-    return sorted((o for o in scene.objects if o.pcc_probe.is_probe and not o.library), key=lambda o: o.name)
+    return sorted((o for o in scene.objects if is_own_probe(o)), key=lambda o: o.name)
+
+
+def is_own_probe(item: bpy.types.Object) -> bool:
+    """Whether an object is a probe of this file; probes are empties, which most objects can quickly say not to be."""
+    return item.type == "EMPTY" and item.pcc_probe.is_probe and not item.library
 
 
 def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object]:
@@ -44,6 +49,13 @@ def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types
             listing = ", ".join(f"'{k}'" for k in known) or "none"
             raise PccError(f"no probe is called '{name}' in scene '{scene.name}'; its probes: {listing}")
     return [known[name] for name in names]
+
+
+def unlocked(probes: Sequence[bpy.types.Object]) -> tuple[list[bpy.types.Object], list[str]]:
+    """Those of some probes that bakes of many take, and a sentence for each that is locked and left as it is."""
+    locked = [probe for probe in probes if probe.pcc_probe.locked]
+    left = [f"probe '{probe.name}' is left as it is: it is locked; unlock it, or bake it by itself" for probe in locked]
+    return [probe for probe in probes if probe not in locked], left
 
 
 def hidden_objects(probe: bpy.types.Object) -> list[bpy.types.Object]:
@@ -109,11 +121,16 @@ def check_own(probe: bpy.types.Object) -> None:
         ProbeError: it is a library override.
     """
     if probe.override_library is not None:
-        library = probe.override_library.reference.library
-        raise ProbeError(
-            f"probe '{probe.name}' is a library override and cannot keep a bake; bake it in '{library.filepath}', or "
-            "make it local (Object > Relations > Make Local)"
-        )
+        raise ProbeError(f"probe '{probe.name}' {told_overridden(probe)}")
+
+
+def told_overridden(probe: bpy.types.Object) -> str:
+    """Why a library override of a probe is not baked and what to do, in words that follow its name."""
+    library = probe.override_library.reference.library
+    return (
+        f"is a library override and cannot keep a bake; bake it in '{library.filepath}', or make it local (Object > "
+        "Relations > Make Local)"
+    )
 
 
 def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None:
@@ -122,7 +139,8 @@ def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Non
     Raises:
         ProbeError: names it and says how to bring it in.
     """
-    if view_layer.objects.get(probe.name) != probe:
+    seen = probe.visible_get(view_layer=view_layer)  # which is known at once; names are looked for one by one
+    if not seen and view_layer.objects.get(probe.name) != probe:
         raise ProbeError(
             f"probe '{probe.name}': view layer '{view_layer.name}' leaves its collection out, so nobody knows where it "
             "is; include the collection, or remove the probe"
@@ -133,7 +151,7 @@ def check_place(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> Non
             f"probe '{probe.name}' follows '{followed.name}', which is not in view layer '{view_layer.name}', so "
             "nobody knows where it is; include its collection, or let the probe follow something else"
         )
-    if not probe.visible_get(view_layer=view_layer) and not is_animated(probe):
+    if not seen and not is_animated(probe):
         parent = probe.parent.matrix_world @ probe.matrix_parent_inverse if probe.parent else Matrix()
         expected = np.array(parent @ probe.matrix_basis)
         if not np.allclose(expected, np.array(probe.matrix_world), rtol=1e-4, atol=1e-5, equal_nan=True):
@@ -160,7 +178,7 @@ def check_seen(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> None
 def is_disabled(item: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> bool:
     """Whether viewports leave an object out, so that animation does not move it; what is only hidden is moved."""
     kept = item.visible_get(view_layer=view_layer) or item.hide_get(view_layer=view_layer)
-    return item.name in view_layer.objects and (item.hide_viewport or not kept)
+    return (item.hide_viewport or not kept) and item.name in view_layer.objects
 
 
 def _drawn_cube(probe: bpy.types.Object) -> np.ndarray:

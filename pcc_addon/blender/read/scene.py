@@ -14,6 +14,7 @@ from ...core.probe import Source
 from ...core.readings import CameraReading, FacetReading, PlacementReading, ProbeReading, SceneReading, WallReading
 from .. import marks
 from .facets import FacetReader, is_sharp
+from .holders import originals
 from .materials import read_material
 from .moving import is_animated, is_moving
 from .probes import all_probes, bake_record, check_place, probe_spec
@@ -21,7 +22,8 @@ from .shown import OtherReaders, other_readers
 from .walls import read_wall
 
 _BY_AXES = [0, 1, 3, 2, 4, 5, 7, 6]  # Blender's order of a bounding box's corners as that of `numpy.ndindex`
-_SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
+SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
+"""The types of objects that materials cover."""
 
 
 def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> SceneReading:
@@ -33,11 +35,11 @@ def read_scene(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Scene
     read = tuple(read_material(materials[name]) for name in sorted(materials))
     readers = other_readers()
     sharp = {materials[m.name] for m in read if any(is_sharp(surface) for surface in m.surfaces)}
-    probes = all_probes(scene)
+    probes, copied = all_probes(scene), originals()
     clear = {materials[m.name] for m in read if any(may_transmit(surface) for surface in m.surfaces)}
     return SceneReading(
         name=scene.name,
-        probes=tuple(read_probe(probe, view_layer, readers) for probe in probes),
+        probes=tuple(read_probe(probe, view_layer, readers, copied.get(probe.name, "")) for probe in probes),
         materials=read,
         placements=tuple(placements),
         roughness_limit=scene.pcc.roughness_limit,
@@ -60,8 +62,10 @@ def _place(camera: bpy.types.Object, scene: bpy.types.Scene) -> tuple[float, flo
     return tuple(float(c) for c in camera.matrix_world.translation)
 
 
-def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers: OtherReaders) -> ProbeReading:
-    """One probe; whatever is wrong with it becomes its fault."""
+def read_probe(
+    probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers: OtherReaders, copy_of: str = ""
+) -> ProbeReading:
+    """One probe, which shows the pictures of the one called `copy_of`; what is wrong with it becomes its fault."""
     spec, captured_at, fault, source, over_frames, departure = None, None, "", Source.BAKE, False, None
     try:
         check_place(probe, view_layer)
@@ -84,6 +88,7 @@ def read_probe(probe: bpy.types.Object, view_layer: bpy.types.ViewLayer, readers
         over_frames,
         departure,
         probe.pcc_probe.advice,
+        copy_of,
     )
 
 
@@ -109,6 +114,18 @@ def missing_textures(view_layer: bpy.types.ViewLayer, world: bpy.types.World | N
     return found
 
 
+def painted_images() -> list[str]:
+    """A sentence for each image whose newest pixels are in this Blender's memory alone."""
+    painted = [
+        i for i in bpy.data.images if i.is_dirty and i.source in {"FILE", "GENERATED", "TILED"} and not i.library
+    ]
+    return [
+        f"image '{image.name}' was painted and is not saved: the bake shows it as it was before; save it with Image › "
+        "Save, and bake again"
+        for image in sorted(painted, key=lambda image: image.name)
+    ]
+
+
 def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading, list[bpy.types.Material]]]:
     """Every object and instance that a render shows, and its materials; geometry nodes may assign others than slots."""
     found = []
@@ -117,7 +134,8 @@ def _placements(view_layer: bpy.types.ViewLayer) -> list[tuple[PlacementReading,
         materials = _materials(evaluated)
         names = tuple(material.name_full for material in materials)
         original = evaluated.original
-        found.append((PlacementReading(original.name_full, names, corners, _is_fixed(original, names)), materials))
+        fixed, excluded = _is_fixed(original, names), not original.pcc.show_probes
+        found.append((PlacementReading(original.name_full, names, corners, fixed, excluded), materials))
     return found
 
 
@@ -151,7 +169,7 @@ def _shown(view_layer: bpy.types.ViewLayer) -> Iterator[tuple[bpy.types.Object, 
 
 def _shown_instances(view_layer: bpy.types.ViewLayer) -> Iterator[bpy.types.DepsgraphObjectInstance]:
     for instance in _depsgraph(view_layer).object_instances:
-        if instance.object.type in _SURFACES and not instance.object.hide_render:
+        if instance.object.type in SURFACES and not instance.object.hide_render:
             yield instance
 
 

@@ -30,8 +30,9 @@ def note_built(tree: bpy.types.ShaderNodeTree, recipe: str, changing: Collection
 
 
 def is_whole(tree: bpy.types.ShaderNodeTree) -> bool:
-    """Whether no group that it calls was deleted."""
-    return all(node.node_tree for node in tree.nodes if node.bl_idname == "ShaderNodeGroup")
+    """Whether no group that it calls and no picture that it shows was deleted."""
+    shown = {"ShaderNodeGroup": "node_tree", "ShaderNodeTexEnvironment": "image"}
+    return all(getattr(node, shown[node.bl_idname]) for node in tree.nodes if node.bl_idname in shown)
 
 
 def is_built(tree: bpy.types.ShaderNodeTree, recipe: str, changing: Collection[str]) -> bool:

@@ -12,7 +12,7 @@ import bpy
 from ...core.effects import by_hand as formula
 from ...core.errors import BakeError
 from ...core.lookup_plan import lookup_effects
-from .. import marks
+from .. import marks, unrecorded
 from ..read.probes import bake_record, probe_spec
 from ..read.shown import driven_object
 from . import built, groups, playback, probe_group
@@ -60,7 +60,7 @@ def group_for(probe: bpy.types.Object) -> bpy.types.ShaderNodeTree:
     if known:
         refresh(probe)
         return known[0]
-    tree = bpy.data.node_groups.new("PCC", "ShaderNodeTree")
+    tree = unrecorded.new_group("PCC")
     try:
         _build(tree, probe)
     except Exception:
@@ -96,7 +96,7 @@ def mirrored_view_group() -> bpy.types.ShaderNodeTree:
     found = (t for t in bpy.data.node_groups if marks.role(t) == _MIRRORED_VIEW and not t.library)
     tree = next(found, None)
     if tree is None:
-        tree = bpy.data.node_groups.new("PCC Mirrored View", "ShaderNodeTree")
+        tree = unrecorded.new_group("PCC Mirrored View")
         marks.tag(tree, _MIRRORED_VIEW)
         emit(tree, formula.MIRRORED_VIEW.outputs, Surroundings(_view(tree)))
         _describe(tree, _VIEW_INPUTS, _VIEW_OUTPUTS)

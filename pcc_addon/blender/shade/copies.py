@@ -8,13 +8,14 @@ user builds differently becomes a material of his own and stays where it is.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
 
 import bpy
 
 from ...core.decisions import Effect
 from ...core.parts import MaterialPart
-from .. import marks
+from .. import marks, unrecorded
 from ..read.node_lines import material_lines, node_lines
 from . import twin
 from .sketch import repeat_value
@@ -102,10 +103,25 @@ def follow(original: bpy.types.Material, known: Sequence[bpy.types.Material]) ->
 
 def repeat_choice(chosen: bpy.types.Material, original: bpy.types.Material, effect: Effect) -> None:
     """Give a material and all its copies the choice of an effect that was made for one of them."""
-    choice = getattr(chosen.pcc.effects, effect.key)
+    _repeat(chosen, original, attrgetter("pcc.effects"), effect.key)
+
+
+def repeat_chosen_probes(chosen: bpy.types.Material, original: bpy.types.Material) -> None:
+    """Give a material and all its copies what was chosen for one of them of the probes that it shows."""
+    for name in ("show_probes", "probe"):
+        _repeat(chosen, original, attrgetter("pcc"), name)
+
+
+def _repeat(
+    chosen: bpy.types.Material,
+    original: bpy.types.Material,
+    settings: Callable[[bpy.types.Material], bpy.types.PropertyGroup],
+    name: str,
+) -> None:
+    choice = getattr(settings(chosen), name)
     for material in (original, *all_copies().get(original, ())):
-        if getattr(material.pcc.effects, effect.key) != choice and material.library is None:
-            setattr(material.pcc.effects, effect.key, choice)
+        if getattr(settings(material), name) != choice and not marks.is_foreign(material):
+            setattr(settings(material), name, choice)
 
 
 def _renewed(copy: bpy.types.Material, original: bpy.types.Material) -> bpy.types.Material:
@@ -120,7 +136,7 @@ def _renewed(copy: bpy.types.Material, original: bpy.types.Material) -> bpy.type
 
 
 def _new_copy(original: bpy.types.Material, name: str) -> bpy.types.Material:
-    copy = original.copy()
+    copy = unrecorded.new(original.copy)
     copy.name = name
     copy.use_fake_user = False
     twin.remove_twins(copy)

@@ -12,7 +12,6 @@ from ...core.errors import PccError
 from ...core.faces_needed import told_missing
 from ...core.material_plan import MaterialPlan
 from ...core.plan import Plan, make_plan
-from ...core.probe import ProbeSpec
 from ...core.readings import SceneReading
 from .. import marks
 from ..read.probes import all_probes, bake_record
@@ -60,7 +59,6 @@ def inject(
     shown = _build_probes(scene, reading, plan, notes, whole=objects is None)
     if not shown:
         raise PccError(notes[0] if notes else f"scene '{scene.name}' has no probe; add one and bake it")
-    specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
     materials = {material.name_full: material for material in bpy.data.materials}
     chosen = None if objects is None else {material.name_full for material in materials_of(objects)}
     pairs, known = [], copies.all_copies()
@@ -68,12 +66,11 @@ def inject(
         if chosen is not None and material_plan.material not in chosen:
             continue
         material = materials[material_plan.material]
-        if not material.library:
-            _show(material, material_plan, shown, specs, known)
+        if not marks.is_foreign(material):
+            _show(material, material_plan, shown, reading, known)
         pairs += [(material.name, probe) for probe in material_plan.probes if probe in shown]
         notes += material_plan.notes
     _remove_from_others(plan, objects if objects is not None else scene.objects)
-    groups.drop_unused_groups()
     return InjectionReport(tuple(pairs), tuple(notes), plan)
 
 
@@ -81,7 +78,7 @@ def _show(
     material: bpy.types.Material,
     plan: MaterialPlan,
     shown: Mapping[str, ShownProbe],
-    specs: Mapping[str, ProbeSpec],
+    scene: SceneReading,
     known: copies.Copies,
 ) -> None:
     """Let a material, and the copies of it that some objects are to wear, show what is planned."""
@@ -89,39 +86,66 @@ def _show(
     worn = copies.divide(material, parts, known.get(material, ()))
     each = [(material, plan.division.kept), *((copy, part.probes) for copy, part in zip(worn, parts, strict=True))]
     for one, probes in each:
-        order = order_of(plan, probes, shown, specs)
+        order = order_of(plan, probes, shown, scene)
         if order.probes:
             live.show(one, order)
         else:
             live.remove(one)
+    if plan.choices and not plan.probes:
+        marks.note(material, live.WITHHELD, True)
 
 
 def mend(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
     """Build again what materials show and somebody deleted; nothing else is touched."""
     torn = {marks.original(m).name_full: marks.original(m) for m in bpy.data.materials if is_torn(m)}
     if torn:
-        _show_some(scene, view_layer, torn)
+        _show_some(scene, read_scene(scene, view_layer), torn)
 
 
-def show_anew(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, material: bpy.types.Material) -> None:
-    """Let one material show the probes that the plan gives it now; nothing happens where no material shows any yet.
+def show_anew(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, owner: bpy.types.Material | bpy.types.Object
+) -> None:
+    """Let a material, or all those of an object, show the probes that the plan gives them now.
+
+    Nothing happens where no material shows any yet, nor would if that had not been chosen.
 
     Raises:
         PccError: a probe or a picture is faulty.
     """
-    if any(map(has_twins, bpy.data.materials)):
-        _show_some(scene, view_layer, {material.name_full: material})
-
-
-def _show_some(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, some: Mapping[str, bpy.types.Material]) -> None:
+    if not any(has_twins(material) or marks.noted(material, live.WITHHELD) for material in bpy.data.materials):
+        return
     reading = read_scene(scene, view_layer)
+    if isinstance(owner, bpy.types.Material):
+        names = {owner.name_full}
+    else:
+        placed = (placement for placement in reading.placements if placement.object == owner.name_full)
+        names = {name for placement in placed for name in placement.materials}
+    _show_some(
+        scene, reading, {material.name_full: material for material in bpy.data.materials if material.name_full in names}
+    )
+
+
+def show_again(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, materials: Iterable[bpy.types.Material]
+) -> None:
+    """Let materials show the probes that the plan gives them, whether any shows one or not.
+
+    Raises:
+        PccError: a probe or a picture is faulty.
+    """
+    some = {material.name_full: material for material in materials}
+    if some:
+        _show_some(scene, read_scene(scene, view_layer), some)
+
+
+def _show_some(scene: bpy.types.Scene, reading: SceneReading, some: Mapping[str, bpy.types.Material]) -> None:
     plan = make_plan(reading)
     shown = _build_probes(scene, reading, plan, [], whole=False)
-    specs = {probe.name: probe.spec for probe in reading.probes if probe.spec is not None}
     for material_plan in plan.materials:
         material = some.get(material_plan.material)
-        if material is not None and material_plan.probes and not material.library:
-            _show(material, material_plan, shown, specs, copies.all_copies())
+        wanted = material_plan.probes or material_plan.choices
+        if material is not None and wanted and not marks.is_foreign(material):
+            _show(material, material_plan, shown, reading, copies.all_copies())
 
 
 def remove(objects: Iterable[bpy.types.Object] | None = None) -> list[str]:
@@ -134,7 +158,7 @@ def remove(objects: Iterable[bpy.types.Object] | None = None) -> list[str]:
         copies.unite(original, known[original])
     names = {original.name for original in divided}
     chosen = list(bpy.data.materials) if objects is None else materials_of(objects)
-    restored = [m.name for m in chosen if not m.library and (live.remove(m) or m.name in names)]
+    restored = [m.name for m in chosen if not marks.is_foreign(m) and (live.remove(m) or m.name in names)]
     groups.drop_unused_groups()
     return restored
 
@@ -146,10 +170,11 @@ def materials_of(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Material
 
 
 def order_of(
-    plan: MaterialPlan, probes: Sequence[str], shown: Mapping[str, ShownProbe], specs: Mapping[str, ProbeSpec]
+    plan: MaterialPlan, probes: Sequence[str], shown: Mapping[str, ShownProbe], scene: SceneReading
 ) -> TwinOrder:
     """What the twins of a material, or of a copy, are to show of some probes, each over those before it."""
-    at_hand = layered([probe for probe in probes if probe in shown], specs)
+    specs = scene.specs
+    at_hand = layered([probe for probe in probes if probe in shown], specs, scene.borrowing)
     apart = beside([specs[probe] for probe in at_hand])
     ordered = tuple(replace(shown[probe], beside=others) for probe, others in zip(at_hand, apart, strict=True))
     return TwinOrder(ordered, plan.served, plan.emits)
@@ -175,7 +200,7 @@ def _build_probes(
             notes.append(f"probe '{probe.name}' has no bake; bake it to see it")
             continue
         try:
-            ensure_levels(probe, probe_plan.roughnesses, folder)
+            ensure_levels(probe, () if probe_plan.unneeded else probe_plan.roughnesses, folder)
             refresh_group(probe, probe_plan.receivers, probe_plan.shares or (False if whole else None))
             by_hand.refresh(probe)
             lacking = bake_record(probe).lacks(probe_plan.shown_faces)
@@ -192,6 +217,6 @@ def _remove_from_others(plan: Plan, objects: Iterable[bpy.types.Object]) -> None
     """Remove the twins of materials that no probe reaches any more."""
     planned, known = {material.material for material in plan.materials}, copies.all_copies()
     for material in materials_of(objects):
-        if material.name_full not in planned and not material.library:
+        if material.name_full not in planned and not marks.is_foreign(material):
             copies.unite(material, known.get(material, ()))
             live.remove(material)

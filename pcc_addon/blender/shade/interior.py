@@ -14,8 +14,9 @@ from ...core.effects.interior import Cells, Interior, RoomPicture
 from ...core.errors import PccError
 from ...core.sidecar import Sidecar
 from ...core.window import Side, room_of
-from .. import marks
+from .. import marks, unrecorded
 from ..read.probes import bake_record
+from ..store.levels import picture_rows
 from ..store.pictures import check_pixels
 from . import playback
 from .groups import formula_group
@@ -127,8 +128,9 @@ def room_of_probe(probe: bpy.types.Object, side: Side = Side.MINUS_Y) -> RoomIma
 
 
 def _room(probe: bpy.types.Object, record: Sidecar, side: Side) -> RoomImage:
-    image = next((level.image for level in probe.pcc_probe.levels if level.roughness == 0.0), None)
-    return RoomImage(room_of(record, side, check_pixels(probe.name, image)), image, record.uid, side)
+    level = next((level for level in probe.pcc_probe.levels if level.roughness == 0.0), None)
+    rows = check_pixels(probe.name, None) if level is None else picture_rows(probe, level)
+    return RoomImage(room_of(record, side, rows), level.image, record.uid, side)
 
 
 def window_material(name: str, window: Window, values: Mapping[str, float | Sequence[float]]) -> bpy.types.Material:
@@ -167,7 +169,7 @@ def interior_node(material: bpy.types.Material) -> bpy.types.Node | None:
 
 def window_group(name: str, window: Window) -> bpy.types.ShaderNodeTree:
     """A new group that shows a window's rooms, its inputs documented and with the values that `SOCKETS` says."""
-    tree = bpy.data.node_groups.new(f"PCC Interior {name}", "ShaderNodeTree")
+    tree = unrecorded.new_group(f"PCC Interior {name}")
     marks.tag(tree, marks.WINDOW)
     kinds = {s.name: _kind(s) for s in SOCKETS if s.name in formula.interior(window.record).inputs}
     declare_sockets(tree, "INPUT", kinds)

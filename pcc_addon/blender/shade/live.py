@@ -30,6 +30,7 @@ from .twin_order import TwinOrder
 
 _SIGNATURE = "signature"  # note on a material: what its twins were built from
 _INTERFACE = "interface"  # note on a material: how often its objects bend light, which it cannot know by itself
+WITHHELD = "withheld"  # note on a material: that it would show probes if its user had not chosen otherwise
 
 
 def show(material: bpy.types.Material, order: TwinOrder) -> None:
@@ -56,6 +57,7 @@ def remove(material: bpy.types.Material) -> bool:
     removed = remove_twins(material)
     marks.forget(material, _SIGNATURE)
     marks.forget(material, _INTERFACE)
+    marks.forget(material, WITHHELD)
     return removed
 
 
@@ -146,7 +148,7 @@ def bring_up_to_date(
     """
     if groups is None:
         groups = shown_probe_groups(material)
-    if not groups or not material.node_tree or material.library:
+    if not groups or not material.node_tree or marks.is_foreign(material):
         return
     left = [group for group in groups if probe_of(group) is not None]
     if not left:

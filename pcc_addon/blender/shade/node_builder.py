@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import bpy
@@ -18,6 +18,7 @@ from ...core.expression import (
     Sample,
     Section,
     Texel,
+    arguments_of,
     lift,
     maximum,
 )
@@ -74,6 +75,17 @@ def emit(tree: bpy.types.ShaderNodeTree, outputs: Mapping[str, Expr], surroundin
     Equal operations on equal arguments become one node. What the group computed before is replaced; sockets that stay
     keep their links in the trees that use it. Nodes stand from left to right, each section of the formula in a frame.
     """
+    for _ in emitting(tree, outputs, surroundings):
+        pass
+
+
+def emitting(
+    tree: bpy.types.ShaderNodeTree, outputs: Mapping[str, Expr], surroundings: Surroundings | None = None
+) -> Iterator[None]:
+    """`emit`, about a node between two yields: each takes the longer the more nodes there are, a group up to 0.5 s.
+
+    Whoever goes on makes sure that the tree and its nodes are still there.
+    """
     surroundings = surroundings or Surroundings()
     tree.nodes.clear()
     inputs = Formula("", outputs).inputs
@@ -84,6 +96,8 @@ def emit(tree: bpy.types.ShaderNodeTree, outputs: Mapping[str, Expr], surroundin
     declare_sockets(tree, "INPUT", {name: kinds[name] for name in inputs if name not in surroundings.given})
     declare_sockets(tree, "OUTPUT", {name: kinds[name] for name in outputs})
     emitter = _Emitter(tree, surroundings)
+    for expr in outputs.values():
+        yield from emitter.making(expr)
     sink = tree.nodes.new("NodeGroupOutput")
     depths = [emitter.connect(expr, sink.inputs[name]) for name, expr in outputs.items()]
     emitter.layout.add(sink, max(depths, default=0), "")
@@ -151,15 +165,24 @@ class _Emitter:
     def _call_key(self, call: Call) -> tuple:
         return ("call", call.calls.formula.title, *(self._number(argument) for argument in call.calls.arguments))
 
-    def _socket(self, expr: Expr) -> tuple[bpy.types.NodeSocket, int]:
+    def making(self, expr: Expr) -> Iterator[None]:
+        """Make the nodes of an expression and of what it is made of, arguments first; one between two yields."""
         number = self._number(expr)
-        if number not in self._sockets:
-            outer = self._section
-            while isinstance(expr, Section):
-                self._section, expr = expr.title, expr.content
-            self._sockets[number] = self._make(expr)
-            self._section = outer
-        return self._sockets[number]
+        if number in self._sockets or isinstance(expr, Constant):
+            return
+        outer = self._section
+        while isinstance(expr, Section):
+            self._section, expr = expr.title, expr.content
+        for argument in arguments_of(expr):
+            yield from self.making(argument)
+        self._sockets[number] = self._make(expr)
+        self._section = outer
+        yield
+
+    def _socket(self, expr: Expr) -> tuple[bpy.types.NodeSocket, int]:
+        for _ in self.making(expr):
+            pass
+        return self._sockets[self._number(expr)]
 
     def _make(self, expr: Expr) -> tuple[bpy.types.NodeSocket, int]:
         if isinstance(expr, Input):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import chain
 
 import bpy
 
@@ -37,17 +38,21 @@ class NodeLayout:
         for node in before:
             node.location.x += min(starts.values()) - _COLUMN_GAP - end
         top = 0.0
-        for section, columns in self._lanes.items():
+        places: dict[bpy.types.Node, tuple[float, float]] = {}
+        frames = {section: self._frame(section) for section in self._lanes if section}
+        for columns in self._lanes.values():
             lowest = top
-            frame = self._frame(section) if section else None
             for depth, nodes in columns.items():
                 y = top
                 for node in nodes:
-                    node.location = (starts[depth], y)
-                    node.parent = frame
+                    places[node] = (starts[depth], y)
                     y -= height(node) + _GAP
                 lowest = min(lowest, y)
             top = lowest - _LANE
+        _place(self._tree, places)
+        for section, frame in frames.items():
+            for node in chain.from_iterable(self._lanes[section].values()):
+                node.parent = frame
 
     def _columns(self) -> dict[int, float]:
         """Where each column begins: wide enough for its widest node."""
@@ -68,6 +73,12 @@ class NodeLayout:
         return frame
 
 
+def _place(tree: bpy.types.ShaderNodeTree, places: Mapping[bpy.types.Node, tuple[float, float]]) -> None:
+    """Move nodes at once: each place that is set by itself has Blender look through the whole tree."""
+    located = [places.get(node) or node.location for node in tree.nodes]
+    tree.nodes.foreach_set("location", list(chain.from_iterable(located)))
+
+
 def spread(tree: bpy.types.ShaderNodeTree, nodes: Sequence[bpy.types.Node]) -> None:
     """Move nodes of a tree as far right and down as it takes to have each right of what feeds it and none over another.
 
@@ -84,6 +95,7 @@ def spread(tree: bpy.types.ShaderNodeTree, nodes: Sequence[bpy.types.Node]) -> N
             lefts[node] = max([node.location.x, *(left(n) + n.width + _COLUMN_GAP for n in feeding[node])])
         return lefts[node]
 
+    places: dict[bpy.types.Node, tuple[float, float]] = {}
     taken: list[tuple[float, float, float, float]] = []  # top, bottom, left, right, with the gaps beside them
     for node in sorted(nodes, key=lambda node: -node.location.y):
         start, end, top, high = left(node), left(node) + node.width + _GAP, node.location.y, height(node) + _GAP
@@ -91,7 +103,8 @@ def spread(tree: bpy.types.ShaderNodeTree, nodes: Sequence[bpy.types.Node]) -> N
             if first < end and start < last and lower < top and top - high < upper:
                 top = lower
         taken.append((top, top - high, start, end))
-        node.location = (start, top)
+        places[node] = (start, top)
+    _place(tree, places)
 
 
 def height(node: bpy.types.Node) -> float:

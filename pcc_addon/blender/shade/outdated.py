@@ -12,15 +12,18 @@ from ...core.plan import Plan
 from ...core.probe_plan import ProbePlan
 from ...core.readings import SceneReading
 from ...core.words import named
+from .. import marks
 from . import copies, live, probe_group
 from .injection import order_of
 from .probe_group import shown_probe
-from .twin import shown_probe_groups
+from .twin import has_twins, shown_probe_groups
 from .twin_order import ShownProbe
 
 
 def outdated(scene: SceneReading, plan: Plan, probes: Mapping[str, bpy.types.Object]) -> dict[str, tuple[str, ...]]:
-    """By probe, in words, what an injection would change; only of probes that some material shows.
+    """By probe, in words, what an injection would change.
+
+    Only of probes that some material shows, or would instead of what it shows now, as that of another scene.
 
     Args:
         scene: what there is.
@@ -32,8 +35,11 @@ def outdated(scene: SceneReading, plan: Plan, probes: Mapping[str, bpy.types.Obj
     found = {}
     late = _late_materials(scene, plan, shown)
     used = {tree for material in bpy.data.materials if material.node_tree for tree in shown_probe_groups(material)}
+    injected = {material.name_full for material in bpy.data.materials if has_twins(material)}
     for probe in plan.probes:
-        if probe.probe not in shown or current[probe.probe] not in used:
+        if probe.probe not in shown:
+            continue
+        if current[probe.probe] not in used and injected.isdisjoint(late.get(probe.probe, ())):
             continue
         words = [*_lacking(probe, current[probe.probe])]
         if probe.probe in late:
@@ -45,23 +51,23 @@ def outdated(scene: SceneReading, plan: Plan, probes: Mapping[str, bpy.types.Obj
 
 def _late_materials(scene: SceneReading, plan: Plan, shown: Mapping[str, ShownProbe]) -> dict[str, list[str]]:
     """By probe the materials that are not what an injection would make of them."""
-    specs = {reading.name: reading.spec for reading in scene.probes if reading.spec is not None}
     materials = {material.name_full: material for material in bpy.data.materials}
     known = copies.all_copies()
     found: dict[str, list[str]] = {}
-    planned = {each.material for each in plan.materials}
+    planned = {each.material for each in plan.materials if each.probes or not each.choices}
     names = {each.group: probe for probe, each in shown.items()}
     for reading in scene.materials:
-        if reading.name not in planned and materials[reading.name].library is None:
-            for group in shown_probe_groups(materials[reading.name]):
-                if group in names:
-                    found.setdefault(names[group], []).append(reading.name)
+        if reading.name not in planned and not marks.is_foreign(materials[reading.name]):
+            material = materials[reading.name]
+            groups = {group for one in (material, *known.get(material, ())) for group in shown_probe_groups(one)}
+            for probe in sorted(names[group] for group in groups if group in names):
+                found.setdefault(probe, []).append(reading.name)
     for each in plan.materials:
         material = materials[each.material]
         wanted = [probe for probe in each.probes if probe in shown]
-        if material.library is None and wanted:
+        if wanted and not marks.is_foreign(material):
             worn = known.get(material, [])
-            orders = [order_of(each, probes, shown, specs) for probes in _shown_as(each, shown)]
+            orders = [order_of(each, probes, shown, scene) for probes in _shown_as(each, shown)]
             right = sum(any(live.is_shown(one, order) for one in (material, *worn)) for order in orders)
             if right < len(orders) or len(worn) > len(each.division.parts):
                 for probe in wanted:

@@ -16,10 +16,10 @@ from ...core.expression import Operand
 from ...core.lookup_plan import Receivers, lookup_effects
 from ...core.probe import STEEPEST_FALLOFF, ProbeSpec
 from ...core.sidecar import Sidecar
-from .. import marks
+from .. import marks, unrecorded
 from ..read.probes import bake_record, probe_spec
 from ..read.shown import driven_object
-from ..store.pictures import check_pixels
+from ..store.levels import picture_rows
 from . import built, groups, playback
 from .drivers import DRIVEN, driven_vector, follow
 from .node_builder import Surroundings, emit
@@ -92,8 +92,8 @@ def shown_levels(probe: bpy.types.Object) -> tuple[list[float], dict[str, bpy.ty
     """
     kept = sorted(probe.pcc_probe.levels, key=lambda level: level.roughness)
     levels = [level for level in kept if level.roughness >= 0.0]
+    heights = {rung_name(level.roughness): picture_rows(probe, level) for level in levels}
     images = {rung_name(level.roughness): level.image for level in levels}
-    heights = {name: check_pixels(probe.name, image) for name, image in images.items()}
     return [level.roughness for level in levels], images, heights
 
 
@@ -105,7 +105,7 @@ def read_pictures(probe: bpy.types.Object, images: Mapping[str, bpy.types.Image]
     """
     for level in probe.pcc_probe.levels:
         if level.roughness < 0.0:
-            check_pixels(probe.name, level.image)
+            picture_rows(probe, level)
             return {**images, relief.PICTURE: level.image}
     return dict(images)
 
@@ -128,6 +128,13 @@ def probe_of(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
     if any(curve.driver.variables for curve in (tree.animation_data.drivers if tree.animation_data else ())):
         return None
     return next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
+
+
+def recall_group(probe: bpy.types.Object) -> None:
+    """Give a library override the group that was built for it, which Blender forgets as it opens the file."""
+    own = (t for t in bpy.data.node_groups if marks.role(t) == ROLE and driven_object(t) == probe and not t.library)
+    if probe.override_library and (tree := next(own, None)):
+        probe.pcc_probe.group = tree
 
 
 def is_current(probe: bpy.types.Object) -> bool:
@@ -203,7 +210,7 @@ def _group_of(probe: bpy.types.Object, recipe: str, changing: Collection[str]) -
     usable = tree is not None and not tree.library and marks.role(tree) == ROLE
     if not usable or driven_object(tree) not in (None, probe):
         model = built.built_alike(ROLE, recipe, changing)
-        tree = model.copy() if model else bpy.data.node_groups.new("PCC Probe", "ShaderNodeTree")
+        tree = unrecorded.new(model.copy) if model else unrecorded.new_group("PCC Probe")
         marks.tag(tree, ROLE)
         probe.pcc_probe.group = tree
     tree.name = f"PCC Probe {probe.name}"

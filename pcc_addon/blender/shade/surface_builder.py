@@ -12,7 +12,7 @@ import bpy
 
 from ...core.effects import choice
 from ...core.effects.normal import VALID_NORMAL
-from ...core.effects.roughness import level_name, mixed_formula
+from ...core.effects.roughness import level_name
 from ...core.effects.shading import MATT
 from ...core.effects.surface import Ray
 from ...core.expression import Formula
@@ -282,9 +282,9 @@ class SurfaceBuilder:
     def _radiance(self, shown: ShownProbe, probe: bpy.types.Node, ray: Ray, row: float) -> bpy.types.NodeSocket:
         """What a probe shows along a ray at the surface's roughness."""
         levels = self.plan.levels(shown.rungs, ray, shown.hardening)
-        if len(levels) == 1:
+        formula = self.plan.mixing(shown.rungs, ray, shown.hardening)
+        if formula is None:
             return probe.outputs[shown.level(levels[0])]
-        formula = mixed_formula(tuple(shown.rungs[k] / ray.narrowing for k in levels), shown.hardening)
         given = {level_name(i): probe.outputs[shown.level(k)] for i, k in enumerate(levels)}
         if shown.hardening:
             given["Spread"] = probe.outputs["Spread"]

@@ -62,14 +62,11 @@ def remove_twins(material: bpy.types.Material) -> bool:
     before = marks.noted_before(material)
     if not own and before is None:
         return False
-    copies = {n.node_tree for n in own if n.bl_idname == "ShaderNodeGroup" and n.node_tree}
     with ExitStack() as stack:
         if own:
             compat.use_all_inputs(stack, tree)
         for node in own:
             tree.nodes.remove(node)
-    for copy in copies:
-        _remove_copy(copy)
     if before is not None:
         _restore(material, before)
         marks.forget_before(material)
@@ -78,13 +75,7 @@ def remove_twins(material: bpy.types.Material) -> bool:
 
 def _restore(material: bpy.types.Material, before: marks.Before) -> None:
     """Bring back which outputs are in force, and whether the material is sampled as a lamp."""
-    candidates = own_outputs(material.node_tree)
-    for original in before.outputs:
-        node = next((n for n in candidates if n.name == original.name), None)
-        if node is None and original.index < len(candidates):
-            node = candidates[original.index]
-        if node is None:
-            continue
+    for node, original in _originals(material, before):
         if node.target != original.target:
             node.target = original.target
         if original.active:
@@ -93,6 +84,55 @@ def _restore(material: bpy.types.Material, before: marks.Before) -> None:
         material.cycles.property_unset("emission_sampling")
     elif before.sampling is not None:
         material.cycles.emission_sampling = before.sampling
+
+
+def _originals(
+    material: bpy.types.Material, before: marks.Before
+) -> list[tuple[bpy.types.ShaderNodeOutputMaterial, marks.OriginalOutput]]:
+    """The outputs that twins stand in for, as far as they are still there, and what they were."""
+    candidates, found = own_outputs(material.node_tree), []
+    for original in before.outputs:
+        node = next((n for n in candidates if n.name == original.name), None)
+        if node is None and original.index < len(candidates):
+            node = candidates[original.index]
+        if node is not None:
+            found.append((node, original))
+    return found
+
+
+def let_stand_in(material: bpy.types.Material, stand_in: bool) -> None:
+    """Let the twins of a material stand in for its own outputs, as they do from their making on, or let them stay.
+
+    Nothing else changes, and nothing at all where it is so already or where there are no twins.
+    """
+    before = marks.noted_before(material)
+    if before is None:
+        return
+    twins = [node for node in material.node_tree.nodes if marks.role(node) == _OUTPUT]
+    originals = _originals(material, before)
+    if len(twins) != len(originals):  # the user deleted one: there is nothing to choose from
+        return
+    pairs = list(zip(twins, originals, ("CYCLES", "EEVEE"), strict=False))
+    for twin, (node, original), engine in pairs if len(pairs) > 1 else ():
+        _aim(twin, engine if stand_in else "ALL")
+        _aim(node, "ALL" if stand_in else original.target)
+    if len(pairs) == 1:
+        twin, (node, _), _ = pairs[0]
+        _activate(twin if stand_in else node)
+    else:  # of an engine's own output and one for all, the engine takes its own
+        first = [node for _, (node, original), _ in pairs if original.target == "ALL"] if not stand_in else []
+        for node in first or [node for _, (node, original), _ in pairs if original.active]:
+            _activate(node)
+
+
+def _aim(node: bpy.types.ShaderNodeOutputMaterial, target: str) -> None:
+    if node.target != target:
+        node.target = target
+
+
+def _activate(node: bpy.types.ShaderNodeOutputMaterial) -> None:
+    if not node.is_active_output:
+        node.is_active_output = True
 
 
 def shown_probe_groups(material: bpy.types.Material) -> tuple[bpy.types.ShaderNodeTree, ...]:
@@ -116,7 +156,7 @@ def is_torn(material: bpy.types.Material) -> bool:
 def _has_hole(node: bpy.types.Node) -> bool:
     if not marks.role(node) or node.bl_idname != "ShaderNodeGroup":
         return False
-    copied = node.node_tree is not None and marks.role(node.node_tree) == "copy"
+    copied = node.node_tree is not None and marks.role(node.node_tree) == marks.TWIN_GROUP
     return node.node_tree is None or (copied and any(_has_hole(inner) for inner in node.node_tree.nodes))
 
 
@@ -135,20 +175,9 @@ def _nodes_with_role(tree: bpy.types.ShaderNodeTree | None, wanted: str) -> list
     for node in tree.nodes if tree else ():
         if marks.role(node) == wanted:
             found.append(node)
-        elif marks.role(node) and (inner := getattr(node, "node_tree", None)) and marks.role(inner) == "copy":
+        elif marks.role(node) and (inner := getattr(node, "node_tree", None)) and marks.role(inner) == marks.TWIN_GROUP:
             found += _nodes_with_role(inner, wanted)
     return found
-
-
-def _remove_copy(tree: bpy.types.ShaderNodeTree) -> None:
-    """Remove a copied group and the copies inside it; shared groups of ours stay."""
-    if marks.role(tree) != "copy" or tree.users > 0:
-        return
-    inner = {n.node_tree for n in tree.nodes if marks.role(n) and n.bl_idname == "ShaderNodeGroup"}
-    bpy.data.node_groups.remove(tree)
-    for copy in inner:
-        if copy is not None:
-            _remove_copy(copy)
 
 
 def _stop_lamp_sampling(material: bpy.types.Material) -> str | None:

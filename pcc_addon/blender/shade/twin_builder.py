@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from .. import marks
+from .. import marks, unrecorded
 from ..read.nodes import Scope, group_output, source
+from . import groups
 from .node_layout import spread
 from .sketch import Sketch, placed
 from .surface_builder import PROBE, SurfaceBuilder
@@ -61,9 +62,10 @@ class TwinBuilder:
     def _group(self, node: bpy.types.ShaderNodeGroup) -> bpy.types.ShaderNodeTree:
         """A copy of a group's tree whose shaders are twins."""
         inside = self.sketch.scope.inside(node)
-        tree = node.node_tree.copy()
-        tree.name = f"PCC {node.node_tree.name}, {self.material}"
-        marks.tag(tree, "copy")
+        groups.drop_oldest_copies()
+        tree = unrecorded.new(node.node_tree.copy)
+        tree.rename(f"PCC {node.node_tree.name}, {self.material}", mode="ALWAYS")  # one without users may have it
+        marks.tag(tree, marks.TWIN_GROUP)
         sink = group_output(tree)
         if sink is None:
             return tree

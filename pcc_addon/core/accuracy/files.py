@@ -51,9 +51,10 @@ def from_json(text: str, name: str = JSON_NAME) -> CostReport:
         if int(document["version"]) > VERSION:
             raise PccError(f"'{name}' was written by a newer version of the add-on; update it, or measure anew")
         return _record(CostReport, document["report"])
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise PccError(
-            f"'{name}' is damaged ({type(error).__name__}: {error}); move it away, and `pcc cost` measures anew"
+            f"'{name}' is damaged ({type(error).__name__}: {str(error)[:200]}); move it away, and `pcc cost` measures "
+            "anew"
         ) from error
 
 

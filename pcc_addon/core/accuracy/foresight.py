@@ -8,7 +8,7 @@ from functools import cached_property
 
 from ..probe import Engine
 from .records import Kind, Measurement, Settings
-from .times import Times
+from .times import Times, bake_work
 
 LONG = 3.0  # seconds from which on a frame is rendered once
 _MARGIN = 1.25  # by which a guess may be too low
@@ -46,9 +46,11 @@ class Foresight:
             settings: the rung.
             baked: the keys of bakes that are there and need not be made again.
         """
+        same = next((m for m in self.known if m.settings == settings), None)
         traced = self.pixels * settings.frame_samples * self.per_sample
         traced = traced if settings.engine is Engine.CYCLES else 0.0
-        frame = _guessed(self._times.frame(settings), traced, self._around_frame(settings.engine))
+        guessed = _guessed(self._times.frame(settings), traced, self._around_frame(settings.engine))
+        frame = guessed if same is None else same.frame_seconds
         bake = 0.0 if settings.kind is not Kind.PROBE or settings.bake_key in baked else self._bake(settings)
         compiling = max(_COMPILING, frame) if settings.engine is Engine.EEVEE else 0.0
         return _MARGIN * (bake + frame * renders(frame, self.frames) + compiling + _CHANGING)
@@ -60,7 +62,10 @@ class Foresight:
         return max([self.around_frame, *(m.frame_seconds for m in self.known if m.settings.engine is engine)])
 
     def _bake(self, settings: Settings) -> float:
-        traced = 6.0 * settings.resolution**2 * settings.bake_samples * self.per_sample
+        same = next((m for m in self.known if m.settings.bake_key == settings.bake_key), None)
+        if same is not None:
+            return same.bake_seconds
+        traced = 6.0 * bake_work(settings) * self.per_sample
         seconds = [m.bake_seconds for m in self.known if m.settings.kind is Kind.PROBE]
         known = self._times.bake(settings)
         if known is not None:  # a line through one bake takes all of its seconds for those of samples

@@ -21,10 +21,11 @@ def of_bake(settings: Settings) -> str:
     if settings.correction == "RELIEF":
         name += f" ({settings.steps} steps, {settings.refinements} refinements)"
     fitted = ", box fitted" if settings.fitted else ""
+    paired = " through two probes" if settings.paired else ""
     adaptive = f", adaptive to {settings.bake_adaptive:g}" if settings.bake_adaptive else ""
     precision = ", half float" if settings.half_float else ""
     samples = _samples(settings.bake_samples, settings.bake_denoise)
-    return f"{name}{fitted}, {settings.resolution} px faces, {samples}{adaptive}{precision}"
+    return f"{name}{paired}{fitted}, {settings.resolution} px faces, {samples}{adaptive}{precision}"
 
 
 def of_sphere(settings: Settings) -> str:

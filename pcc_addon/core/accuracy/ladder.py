@@ -16,7 +16,9 @@ _ADAPTIVE = 0.02
 _MARCHES = ((8, 3), (12, 4), (24, 6))  # steps and refinements of relief
 
 
-def ladder(engine: Engine, corrections: Sequence[str], *, halves: bool, fits: bool = False) -> tuple[Settings, ...]:
+def ladder(
+    engine: Engine, corrections: Sequence[str], *, halves: bool, fits: bool = False, pairs: bool = False
+) -> tuple[Settings, ...]:
     """Every rung that this version can set.
 
     Args:
@@ -24,10 +26,18 @@ def ladder(engine: Engine, corrections: Sequence[str], *, halves: bool, fits: bo
         corrections: those that probes may have, the simplest first.
         halves: whether pictures may be kept in half precision.
         fits: whether the box that fits the room is another one than the probe's own.
+        pairs: whether another probe shares the room.
     """
     own = tuple(_of_probe(engine, corrections, halves))
     fitted = (replace(rung, fitted=True) for rung in own if rung.correction != "NONE") if fits else ()
-    return (*_of_path(engine), *own, *fitted, *_of_sphere(engine))
+    paired = (replace(rung, paired=True) for rung in own if _may_be_paired(rung, corrections[-1])) if pairs else ()
+    return (*_of_path(engine), *own, *fitted, *paired, *_of_sphere(engine))
+
+
+def _may_be_paired(rung: Settings, best: str) -> bool:
+    """Whether a second probe is tried: with the best correction, its pictures and frames as they usually are."""
+    plain = rung.bake_denoise and not (rung.half_float or rung.bake_adaptive or rung.ray_tracing)
+    return rung.correction == best and plain
 
 
 def _looks(engine: Engine) -> list[tuple[int, bool, bool]]:

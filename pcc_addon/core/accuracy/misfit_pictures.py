@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import equirect
-from ..cubemap import FACES, face_directions
+from ..cubemap import CROSS, FACES, face_directions
 from ..probe import ProbeSpec
 from . import colours
 from .lettering import write
@@ -21,8 +21,6 @@ UNSEEN = (0.85, 0.0, 0.35)
 """sRGB of what the capture point does not see."""
 
 _SHADE = 0.35
-# Columns and rows in which each face has its neighbours beside it.
-_CROSS = {"+Z": (1, 0), "-X": (0, 1), "+Y": (1, 1), "+X": (2, 1), "-Y": (3, 1), "-Z": (1, 2)}
 _PAPER, _INK = (24, 24, 24), (20, 20, 20)
 _EDGE = 0.72  # of the brightness elsewhere
 _MOST, _LEAST = 98.0, 0.01  # per cent of the texels that the scale holds; metres of the shortest scale
@@ -57,7 +55,7 @@ def cross(found: Misfit) -> np.ndarray:
     picture = np.empty((3 * n, 4 * n, 3), np.uint8)
     picture[:] = _PAPER
     for face in FACES:
-        column, row = _CROSS[face.name]
+        column, row = CROSS[face.name]
         drawn = _drawn(found, face_directions(face, n), end)
         write(drawn, face.name, n // 16, n // 16, _INK, scale=max(1, n // 64))
         drawn[[0, -1]] = drawn[:, [0, -1]] = _PAPER

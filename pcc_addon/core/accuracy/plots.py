@@ -173,6 +173,7 @@ def _short(settings: dict[str, Any]) -> str:
     relief = f" {settings['steps']}+{settings['refinements']}" if settings["correction"] == "RELIEF" else ""
     more = ", half" * settings["half_float"] + ", adaptive" * bool(settings.get("bake_adaptive"))
     name = _LABELS.get(settings["correction"], "?") + " fitted" * bool(settings.get("fitted"))
+    name += " twice" * bool(settings.get("paired"))
     return f"{name}{relief} {settings['resolution']} px × {bake}{more}, frame {frame}"
 
 

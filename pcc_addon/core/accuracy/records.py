@@ -35,6 +35,7 @@ class Settings:
         ray_tracing: whether EEVEE traces its own rays.
         bake_adaptive: the noise at which a face's pixel is sampled no more; 0: all samples everywhere.
         fitted: whether box and capture point are those that a fit to the room gives, instead of those that are set.
+        paired: whether the probe that shares the room is baked alike and shown too; else this one alone is shown.
     """
 
     kind: Kind
@@ -51,13 +52,14 @@ class Settings:
     ray_tracing: bool = False
     bake_adaptive: float = 0.0
     fitted: bool = False
+    paired: bool = False
 
     @property
     def bake_key(self) -> tuple:
         """What a bake depends on: rungs of the same key share one."""
         samples = (self.bake_samples, self.bake_denoise, self.bake_adaptive)
         relief = (self.correction == "RELIEF",) if self.kind is Kind.PROBE else ()
-        return (self.kind, self.resolution, *samples, self.half_float, self.fitted, *relief)
+        return (self.kind, self.resolution, *samples, self.half_float, self.fitted, self.paired, *relief)
 
 
 @dataclass(frozen=True)

@@ -146,7 +146,7 @@ def _family(rung: Settings) -> tuple:
 def _knobs(rung: Settings) -> tuple:
     """What may be stepped; steps and refinements of a march belong together."""
     march = (rung.steps, rung.refinements)
-    choices = (rung.bake_denoise, rung.half_float, rung.bake_adaptive, rung.fitted, rung.frame_denoise)
+    choices = (rung.bake_denoise, rung.half_float, rung.bake_adaptive, rung.fitted, rung.paired, rung.frame_denoise)
     return (rung.resolution, rung.bake_samples, march, rung.frame_samples, *choices)
 
 

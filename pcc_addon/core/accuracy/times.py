@@ -53,8 +53,8 @@ class Times:
 
 
 def bake_work(settings: Settings) -> float:
-    """What a bake's seconds grow with: resolution² × samples."""
-    return float(settings.resolution**2 * max(settings.bake_samples, 1))
+    """What a bake's seconds grow with: resolution² × samples, of one probe or two."""
+    return float(settings.resolution**2 * max(settings.bake_samples, 1) * (2 if settings.paired else 1))
 
 
 def _bake_classes(settings: Settings) -> list[tuple]:

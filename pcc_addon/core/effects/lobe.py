@@ -27,8 +27,7 @@ _COSINES = np.concatenate([[0.0002, 0.001, 0.002, 0.004, 0.008], 0.5 - 0.5 * np.
 _ROUGHNESSES = np.array([0.01, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.7, 0.85, 1.0])
 _IMPORTANT = 0.65  # roughness up to which the fit must be good
 _LEAST_F0 = 0.02  # water
-_PAIRS = [(c, r) for r in _ROUGHNESSES for c in _COSINES]
-_SAMPLES = {Distribution.GGX: 40, Distribution.BECKMANN: 96}  # a side; Beckmann's facets are not drawn as they are seen
+_SAMPLES = {Distribution.GGX: 40, Distribution.BECKMANN: 96}  # to the rim; Beckmann's are not drawn as they are seen
 _POWERS = 5  # of roughness in each coefficient
 # Of the angle between the mirrored view and the mean direction of the lobe. The mean is right for light that changes
 # slowly with the direction; small lamps show where the lobe is densest, which is nearer to the mirrored view.
@@ -146,61 +145,60 @@ def _by_powers(coefficients: Coefficients, roughness: Expr) -> list[Expr]:
     return found
 
 
+_COSINE, _ROUGHNESS = (values.ravel() for values in np.meshgrid(_COSINES, _ROUGHNESSES))  # of all pairs, (pairs,)
+_ALPHA = _ROUGHNESS**2
+_GRAZING = _ALPHA / (_ALPHA + _COSINE)
+_LOSS = tuple(_GRAZING**k for k in (1, 2, 3, 4))
+_SHIFT = (_ALPHA, _ALPHA * _COSINE, _ALPHA * _GRAZING, _ALPHA * _GRAZING**2)  # of a cosine that stands for the view's
+
+
 @cache
-def _grid(distribution: Distribution) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(cosines, roughnesses), each (n,), and the lobe's microfacet cosines and weights there, each (n, samples)."""
-    samples = [lobe_samples(c, r, _SAMPLES[distribution], distribution) for c, r in _PAIRS]
-    cosines, roughnesses = np.array(_PAIRS).T
-    return cosines, roughnesses, np.stack([s[0] for s in samples]), np.stack([s[1] for s in samples])
+def _samples(distribution: Distribution) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The lobe's microfacet cosines and weights at each roughness, (cosines, samples) each."""
+    return [lobe_samples(_COSINES, r, _SAMPLES[distribution], distribution) for r in _ROUGHNESSES]
 
 
-def _grazing() -> np.ndarray:
-    cosine, roughness = np.array(_PAIRS).T
-    return roughness**2 / (roughness**2 + cosine)
+def _mean(curve: Curve, distribution: Distribution) -> np.ndarray:
+    """(pairs,) how much the lobe reflects where its facets follow a curve. A roughness at a time stays in the cache."""
+    return np.concatenate([(weights * curve(facets)).mean(-1) for facets, weights in _samples(distribution)])
 
 
 @cache
 def _albedo(distribution: Distribution) -> np.ndarray:
-    return _grid(distribution)[3].mean(1)
+    return _mean(np.ones_like, distribution)
 
 
 def _fitted(terms: Sequence[np.ndarray], target: np.ndarray, weight: np.ndarray) -> Coefficients:
     """Coefficients by term and power of roughness, by weighted least squares."""
-    roughness = np.array(_PAIRS)[:, 1]
-    basis = np.stack([term * roughness**j for term in terms for j in range(_POWERS)], -1)
-    weight = weight * np.where(roughness <= _IMPORTANT, 1.0, 0.2)
+    basis = np.stack([term * _ROUGHNESS**j for term in terms for j in range(_POWERS)], -1)
+    weight = weight * np.where(_ROUGHNESS <= _IMPORTANT, 1.0, 0.2)
     solution = np.linalg.lstsq(basis * weight[:, None], target * weight, rcond=None)[0]
     return tuple(tuple(float(k) for k in row) for row in solution.reshape(-1, _POWERS))
 
 
 @cache
 def _albedo_fit(distribution: Distribution) -> Coefficients:
-    v, albedo = _grazing(), _albedo(distribution)
-    return _fitted([v, v**2, v**3, v**4], 1.0 - albedo, 1.0 / albedo)
+    albedo = _albedo(distribution)
+    return _fitted(_LOSS, 1.0 - albedo, 1.0 / albedo)
 
 
 @cache
 def _transmittance_fit(eta: float, distribution: Distribution) -> Coefficients:
-    _, _, facets, mirrored = _grid(distribution)
-    passed = np.array(
-        [
-            np.mean(weights * (1.0 - fresnel_dielectric(facet, eta)))
-            for facet, weights in (
-                transmitted_samples(c, r, eta, _SAMPLES[distribution], distribution) for c, r in _PAIRS
-            )
-        ]
-    )
-    left = 1.0 - (mirrored * fresnel_dielectric(facets, eta)).mean(1) / mirrored.mean(1)
-    v = _grazing()
-    return _fitted([v, v**2, v**3, v**4], 1.0 - passed / np.maximum(left, 1e-6), left + 1e-3)
+    passed = np.concatenate([_passed(r, eta, distribution) for r in _ROUGHNESSES])
+    left = 1.0 - _mean(lambda facets: fresnel_dielectric(facets, eta), distribution) / _albedo(distribution)
+    return _fitted(_LOSS, 1.0 - passed / np.maximum(left, 1e-6), left + 1e-3)
+
+
+def _passed(roughness: float, eta: float, distribution: Distribution) -> np.ndarray:
+    """(cosines,) how much a lobe lets through to the other side."""
+    facets, weights = transmitted_samples(_COSINES, roughness, eta, _SAMPLES[distribution], distribution)
+    return (weights * (1.0 - fresnel_dielectric(facets, eta))).mean(-1)
 
 
 @cache
 def _average_fit(distribution: Distribution) -> Coefficients:
-    c = np.array(_PAIRS)[:, 0]
     albedo = _albedo(distribution).reshape(len(_ROUGHNESSES), -1)
-    c = c.reshape(albedo.shape)[0]
-    mu, values = np.concatenate([[0.0], c]), np.concatenate([albedo[:, :1], albedo], 1)
+    mu, values = np.concatenate([[0.0], _COSINES]), np.concatenate([albedo[:, :1], albedo], 1)
     products = 2.0 * mu * values
     means = (0.5 * (products[:, 1:] + products[:, :-1]) * np.diff(mu)).sum(1)
     means = means / (mu[-1] ** 2)
@@ -210,74 +208,71 @@ def _average_fit(distribution: Distribution) -> Coefficients:
 
 @cache
 def _cosine_fit(curve: Curve, f0: float, distribution: Distribution) -> Coefficients:
-    c, roughness, facets, weights = _grid(distribution)
-    mean = (weights * curve(facets)).mean(1) / _albedo(distribution)
+    mean = _mean(curve, distribution) / _albedo(distribution)
     x = np.linspace(0.0, 1.0, 4001)
     values = curve(x)
     slope = np.abs(np.gradient(values, x))
     effective = np.interp(mean, values[::-1], x[::-1])
     weight = (1.0 - f0) * np.interp(effective, x, slope) / (f0 + (1.0 - f0) * mean) + 1e-3
-    alpha, v = roughness**2, _grazing()
-    return _fitted([alpha, alpha * c, alpha * v, alpha * v * v], effective - c, weight)
+    return _fitted(_SHIFT, effective - _COSINE, weight)
 
 
 @cache
 def _facet_fits(distribution: Distribution) -> tuple[Coefficients, ...]:
     """Of the mean view on the facets of each part of the lobe's light."""
-    c, roughness, facets, weights = _grid(distribution)
+    means = np.concatenate([_by_share(facets, weights) for facets, weights in _samples(distribution)]).T
+    return tuple(_fitted(_SHIFT, mean - _COSINE, np.ones_like(_COSINE)) for mean in means)
+
+
+def _by_share(facets: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """(cosines, shares) the mean view on the facets of each part of a lobe's light, from (cosines, samples) each."""
     order = np.argsort(facets, -1)
     facets, weights = (np.take_along_axis(values, order, -1) for values in (facets, weights))
     weights = weights / weights.sum(-1, keepdims=True)
     light, moment = (np.pad(np.cumsum(values, -1), ((0, 0), (1, 0))) for values in (weights, weights * facets))
     edges = np.cumsum((0.0, *_SHARES))
     moments = np.stack([np.interp(edges, *row) for row in zip(light, moment, strict=True)])
-    alpha, v = roughness**2, _grazing()
-    terms = [alpha, alpha * c, alpha * v, alpha * v * v]
-    return tuple(_fitted(terms, mean - c, np.ones_like(c)) for mean in (np.diff(moments) / _SHARES).T)
+    return np.diff(moments) / _SHARES
 
 
 @cache
 def lean_fit(facets: Facets, distribution: Distribution) -> Coefficients:
     """The coefficients of `Lobe.lean`: of `grazing`, its square and its cube, each times alpha."""
-    cosine, roughness = np.array(_PAIRS).T
-    tilt = np.array([_TILT * mean_tilt(c, r, facets, _SAMPLES[distribution], distribution) for c, r in _PAIRS])
-    angle = np.arccos(np.minimum(cosine, 1.0 - 1e-4))  # head-on there is nothing to tilt
-    lean = np.sin(angle) / np.tan(angle - tilt) - np.cos(angle)
-    v = _grazing()
-    alpha = roughness**2
-    weight = np.where(cosine < 1.0, 1.0 / (alpha + 0.03), 0.0)  # narrow lobes must not be missed by as much
-    return _fitted([alpha * v, alpha * v**2, alpha * v**3], lean, weight)
+    tilts = [mean_tilt(_COSINES, r, facets, _SAMPLES[distribution], distribution) for r in _ROUGHNESSES]
+    angle = np.arccos(np.minimum(_COSINE, 1.0 - 1e-4))  # head-on there is nothing to tilt
+    lean = np.sin(angle) / np.tan(angle - _TILT * np.concatenate(tilts)) - np.cos(angle)
+    weight = np.where(_COSINE < 1.0, 1.0 / (_ALPHA + 0.03), 0.0)  # narrow lobes must not be missed by as much
+    return _fitted([_ALPHA * _GRAZING**k for k in (1, 2, 3)], lean, weight)
 
 
 def mean_tilt(
-    cosine: float,
+    cosine: np.ndarray | float,
     roughness: float,
     facets: Facets,
     grid: int = 40,
     distribution: Distribution = Distribution.GGX,
-) -> float:
-    """By which angle the mean direction of a lobe's light lies nearer to the normal than the mirrored view, radians.
+) -> np.ndarray:
+    """By which angle the mean direction of a lobe's light lies nearer to the normal than the mirrored view.
 
     Args:
-        cosine: between view and normal, in (0, 1].
+        cosine: (…) between view and normal, in (0, 1].
         roughness: above 0.
         facets: which reflect the light.
-        grid: quadrature points on each side.
+        grid: of quadrature points, as for `lobe_samples`.
         distribution: of them.
+
+    Returns:
+        (…) float64, radians.
     """
     view_half, light, leaving = reflected_samples(cosine, roughness, grid, distribution)
-    x, _, z = (leaving * facets.curve(view_half)) @ light
-    return float(np.arccos(cosine) - np.arctan2(-x, z))
+    mean = ((leaving * facets.curve(view_half))[..., None, :] @ light)[..., 0, :]
+    return np.arccos(cosine) - np.arctan2(-mean[..., 0], mean[..., 2])
 
 
 @cache
 def _average_of(curve: Curve, angles: Curve, distribution: Distribution) -> Coefficients:
-    c, roughness, facets, weights = _grid(distribution)
-    mean = (weights * curve(facets)).mean(1) / _albedo(distribution)
-    alpha, v = roughness**2, _grazing()
-    shift = np.stack(
-        [term * roughness**j for term in (alpha, alpha * c, alpha * v, alpha * v * v) for j in range(_POWERS)]
-    )
-    effective = np.clip(c + np.ravel(_cosine_fit(angles, 1.0, distribution)) @ shift, 0.0, 1.0)
-    terms = [alpha * c**k for k in range(6)] + [alpha * v, alpha * v * v]
-    return _fitted(terms, mean - curve(effective), np.ones_like(c))
+    mean = _mean(curve, distribution) / _albedo(distribution)
+    shift = np.stack([term * _ROUGHNESS**j for term in _SHIFT for j in range(_POWERS)])
+    effective = np.clip(_COSINE + np.ravel(_cosine_fit(angles, 1.0, distribution)) @ shift, 0.0, 1.0)
+    terms = [_ALPHA * _COSINE**k for k in range(6)] + [_ALPHA * _GRAZING, _ALPHA * _GRAZING**2]
+    return _fitted(terms, mean - curve(effective), np.ones_like(_COSINE))

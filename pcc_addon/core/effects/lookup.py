@@ -100,6 +100,14 @@ def nearness(to_centre: Expr, d: Expr, *, on_walls: bool = True) -> Expr:
     return greatest(absolute(d) / (maximum(ahead, ON_WALL) if on_walls else ahead))
 
 
+PARALLAX = Formula("Parallax", {"Direction": operation(Op.SUBTRACT, DIRECTION, vector("Aside"))})
+"""The direction from the capture point to what a ray meets, of any length; without it, the ray's own.
+
+Given are the ray's direction and the way to the capture point, over that to what is met. It is a formula of its own so
+that one node takes the parallax out of all lookups.
+"""
+
+
 def stretch(correction: Correction) -> Expr:
     """By what to multiply directions along the face normals to look them up in a picture that is stretched to the box.
 
@@ -203,11 +211,12 @@ def lookup(effects: LookupEffects, direction: Expr = MIRRORED, position: Expr = 
     near = Section("Exit from the box", nearness(q, d, on_walls=effects.on_walls))
     # (hit − B) / t with hit = P + t·direction
     if effects.stretched:
-        way = d - q * near
+        way: Expr = PARALLAX(Direction=d, Aside=q * near)["Direction"]
         corrected = Section("Stretched to the box", way * stretch(effects.correction))
         uncorrected = d * _OWN_WAY_ROUND if effects.correction is Correction.TURNED_BOX else d
     else:
-        way = corrected = Section("Direction from the capture point", direction - to_capture * near)
+        met = PARALLAX(Direction=direction, Aside=to_capture * near)["Direction"]
+        way = corrected = Section("Direction from the capture point", met)
         uncorrected = direction
     sharpness: dict[str, Expr] = {}
     if effects.hardening and not effects.steps:
@@ -234,7 +243,8 @@ def relieved(effects: LookupEffects, found: Mapping[str, Expr], direction: Expr)
     """What a lookup with relief is without: `lookup` gives what is found, and the ray's direction is that of there."""
     met = relief.met(direction, found["Aside"], found["Exit"], effects.steps, effects.refinements)
     place = met["Place"]
-    way = Section("Direction from the capture point", operation(Op.SUBTRACT, direction * place, found["Aside"]))
+    seen = PARALLAX(Direction=direction * place, Aside=found["Aside"])["Direction"]
+    way = Section("Direction from the capture point", seen)
     kept = {name: found[name] for name in ("Weight", "Presence") if name in found} | {"Seen": met["Seen"]}
     hardened: dict[str, Expr] = {}
     if effects.hardening:

@@ -60,6 +60,7 @@ LOW, HIGH = scalar("Low"), scalar("High")
 _GROWTH = 1.5  # the power of the share of steps: steps near the start are short, as most that matters is near
 _HIDDEN = 0.1  # of the distance, beyond `_START`, from which on a place is hidden for certain
 _START = 0.02  # of the distance: what starts on a surface that the capture point sees is not behind it by rounding
+_BEYOND = 0.02  # of the distance, by which a ray is followed on to tell a surface from the edge of something nearer
 
 
 def _behind(slack: float = 0.0) -> Expr:
@@ -75,8 +76,11 @@ def _way() -> Expr:
 LOOK = Formula("Relief Look", {"Way": _way()})
 """Where a place on the ray lies, seen from the capture point, over the ray's way to the wall."""
 
-START = Formula("Relief Start", {"Behind": _behind(_START)})
-"""Whether the ray starts behind something."""
+START = Formula("Relief Start", {"Behind": _behind(), "Hidden": _behind(_START)})
+"""Whether the ray starts behind something, were it by rounding, and whether by more than that.
+
+Between two texels of a corner the walls seem nearer than they are. What starts there must not seem to go behind them.
+"""
 
 
 def _step() -> Formula:
@@ -101,13 +105,23 @@ HALVE = _halve()
 MIDDLE = Formula("Relief Middle", {"Place": (LOW + HIGH) * 0.5})
 
 
+BEYOND = Formula("Relief Beyond", {"Way": operation(Op.MULTIPLY_ADD, RAY, length(WAY) * _BEYOND, WAY)})
+"""A little farther along the ray than where it ends.
+
+Within one texel of an edge nearness goes from that of what is nearer to that of what is behind it, and a ray that
+passes behind the edge ends somewhere between. Beyond the edge it is deep behind what was captured, beyond a surface
+hardly.
+"""
+
+
 def _seen() -> Expr:
-    hidden = operation(Op.SUBTRACT, length(WAY) * CAPTURED, EXIT * (1.0 + _START))
+    hidden = operation(Op.SUBTRACT, length(WAY) * CAPTURED, EXIT * (1.0 + _START + _BEYOND))
     return (1.0 - clamp(hidden / (EXIT * _HIDDEN))) * (1.0 - BEHIND)
 
 
 SEEN = Formula("Relief Seen", {"Seen": _seen()})
-"""Whether the capture point sees the place that a ray ends at, 0 … 1; 0 where something before it was captured.
+"""Whether the capture point sees the place that a ray ends at, 0 … 1, judged a little beyond it; 0 where something
+before it was captured.
 
 What starts behind something may meet whatever is hidden there, before it comes out.
 """
@@ -147,7 +161,8 @@ def met(ray: Expr, aside: Expr, leaves: Expr, steps: int, refinements: int) -> d
         place = MIDDLE(Low=low, High=high)["Place"]
         found = HALVE(**seen(place), Low=low, High=high, Place=place)
         low, high = found["Low"], found["High"]
-    shown = SEEN(**seen(high), Behind=with_start["Behind"])["Seen"]
+    way = BEYOND(Ray=ray, Way=LOOK(Ray=ray, Aside=aside, Place=high)["Way"])["Way"]
+    shown = SEEN(Way=way, Captured=Sample(PICTURE, way).x, Exit=leaves, Behind=with_start["Hidden"])["Seen"]
     return {"Place": Section("Relief", high), "Seen": Section("Relief", shown)}
 
 

@@ -87,17 +87,17 @@ def fit_room(probe: str, drawn: Box, nearness: np.ndarray, point: np.ndarray) ->
         )
     start = own_axes(drawn.axes)
     upright = [_fitted(cloud, drawn, axes, False) for axes in upright_frames(cloud, start, _UP)]
-    best = _most(cloud, upright)
+    best = most_seen(cloud, upright)
     own_up = start[:, np.abs(start[2]).argmax()]
     leaning = [leaning_frame(cloud, best.axes)]
     if abs(own_up[2]) < _LEANS:
         leaning += [leaning_frame(cloud, axes) for axes in upright_frames(cloud, start, own_up)]
     leaning = [axes for axes in leaning if np.abs(axes[2]).max() < _LEANS]
     if leaning:
-        other = _most(cloud, [_fitted(cloud, drawn, axes, True) for axes in leaning])
+        other = most_seen(cloud, [_fitted(cloud, drawn, axes, True) for axes in leaning])
         if area_on_walls(cloud, other) > _CLEARLY * area_on_walls(cloud, best):
             best = other
-    box = _box(cloud, best)
+    box = box_of(cloud, best)
     leans = bool(np.abs(best.axes[2]).max() < _LEANS)
     return Fitted(box, cloud, _walls(cloud, drawn, box, best), leans, area_on_walls(cloud, best))
 
@@ -136,19 +136,30 @@ def _turn(before: Box, after: Box) -> np.ndarray:
 
 def _fitted(cloud: Cloud, drawn: Box, axes: np.ndarray, leaning: bool) -> Room:
     middle = (drawn.centre - cloud.point) @ axes
-    ends = np.stack([middle - drawn.half_widths, middle + drawn.half_widths])
+    return fitted(cloud, axes, np.stack([middle - drawn.half_widths, middle + drawn.half_widths]), leaning)
+
+
+def fitted(cloud: Cloud, axes: np.ndarray, ends: np.ndarray, leaning: bool) -> Room:
+    """The walls of a room along axes that are nearly its own, near where they were drawn.
+
+    Args:
+        axes: (3, 3) unit columns.
+        ends: (2, 3) metres along them from the cloud's point: of the box that was drawn.
+        leaning: as for `refined`.
+    """
     room = room_along(cloud, axes, ends)
     if _LOST <= room.found.sum() < 6:  # the others say better than the drawing where it may be
         room = room_along(cloud, axes, room.ends)
     return refined(cloud, room, leaning)
 
 
-def _most(cloud: Cloud, rooms: list[Room]) -> Room:
+def most_seen(cloud: Cloud, rooms: list[Room]) -> Room:
     """The room that most of what is seen lies on; the first of equals."""
     return max(rooms, key=lambda room: area_on_walls(cloud, room))
 
 
-def _box(cloud: Cloud, room: Room) -> Box:
+def box_of(cloud: Cloud, room: Room) -> Box:
+    """The box of a room."""
     matrix = np.eye(4)
     matrix[:3, :3] = room.axes * (0.5 * (room.ends[1] - room.ends[0]))
     matrix[:3, 3] = cloud.point + room.axes @ room.ends.mean(0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -38,7 +39,7 @@ NOTHING = Found(b"nothing")
 def digest(*parts: bytes | str) -> bytes:
     """Of parts whose order counts."""
     plain = [part.encode() if isinstance(part, str) else part for part in parts]
-    sizes = ",".join(str(len(part)) for part in plain)  # so that no other parts give the same bytes
+    sizes = ",".join([str(len(part)) for part in plain])  # so that no other parts give the same bytes
     return hashlib.blake2b(b"".join((sizes.encode(), b":", *plain)), digest_size=_SIZE).digest()
 
 
@@ -50,9 +51,12 @@ def unordered(parts: Iterable[bytes]) -> bytes:
 def numbers(values: np.ndarray) -> bytes:
     """Of an array of any shape."""
     values = np.ascontiguousarray(values)
-    whole = hashlib.blake2b(f"{values.dtype} {values.shape}".encode(), digest_size=_SIZE)
+    whole = hashlib.blake2b(f"{_name(values.dtype)} {values.shape}".encode(), digest_size=_SIZE)
     whole.update(values.reshape(-1).view(np.uint8))
     return whole.digest()
+
+
+_name = cache(str)  # of a type of numbers: NumPy takes long for it
 
 
 def plain(value: object) -> str:
@@ -60,15 +64,16 @@ def plain(value: object) -> str:
 
     Truths are numbers: custom properties come back as such from a file.
     """
+    if isinstance(value, float):
+        return repr(value + 0.0)
     if isinstance(value, bool):
         return str(int(value))
     if isinstance(value, (set, frozenset)):
         return repr(sorted(value))
-    if isinstance(value, float):
-        return repr(value + 0.0)
     if isinstance(value, (str, bytes, int)) or value is None:
         return repr(value)
-    return f"[{', '.join(plain(part) for part in _parts(value))}]"
+    parts = [repr(part + 0.0) if type(part) is float else plain(part) for part in _parts(value)]  # mostly are floats
+    return f"[{', '.join(parts)}]"
 
 
 def _parts(value: object) -> Iterator[object]:

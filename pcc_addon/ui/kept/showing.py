@@ -1,0 +1,102 @@
+"""Lets materials show probes, and the viewport what renders show; panels are told of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+
+from ...blender.shade import injection
+from ...blender.shade.injection import InjectionReport
+from ...blender.shade.preparing import Preparation
+from ...core.accuracy.labels import counted
+from . import idle, last_plan, states
+
+_FLAT = {"SOLID", "WIREFRAME"}  # shadings without materials
+_NO_MATERIALS = "BLENDER_WORKBENCH"  # the engine whose renders have none
+
+
+def inject(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, objects: Sequence[bpy.types.Object] | None = None
+) -> InjectionReport:
+    """`injection.inject`, and its plan is the last one.
+
+    Raises:
+        PccError: no probe of the scene can be shown.
+    """
+    report = injection.inject(scene, view_layer, objects)
+    if objects is None:
+        states.injected(scene)
+    last_plan.keep(scene, view_layer, report.plan)
+    return report
+
+
+def in_words(report: InjectionReport) -> str:
+    """In how many materials probes show."""
+    shown = counted(len({material for material, _ in report.materials}), "material")
+    left = "; what is left alone, and why, is under Materials in the sidebar" if report.notes else ""
+    return f"Probes show in {shown}{left}"
+
+
+def show_rendered(scene: bpy.types.Scene) -> None:
+    """Let the largest 3D view of each window that shows a scene show it rendered, where it has no materials yet."""
+    kind = "MATERIAL" if scene.render.engine == _NO_MATERIALS else "RENDERED"
+    for window in bpy.context.window_manager.windows:
+        areas = [area for area in window.screen.areas if area.type == "VIEW_3D"]
+        if window.scene != scene or not areas:
+            continue
+        shading = max(areas, key=lambda area: area.width * area.height).spaces.active.shading
+        if shading.type in _FLAT:
+            shading.type = kind
+
+
+@dataclass(frozen=True)
+class Showing:
+    """Shows the probes of a scene that may be edited, undone or deleted meanwhile.
+
+    Attributes:
+        scene_uid: its session uid.
+        layer: the name of its view layer that counts.
+    """
+
+    scene_uid: int
+    layer: str
+
+    @classmethod
+    def of(cls, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Showing:
+        return cls(scene.session_uid, view_layer.name)
+
+    def preparation(self) -> Preparation | None:
+        """Makes ready what materials will call; None where the scene is gone."""
+        scene = self._scene()
+        if scene is None:
+            return None
+        known = last_plan.of(scene)  # a late one is nearly right, and a new one takes as long as reading the scene
+        return Preparation(known.plan if known else last_plan.make(scene, self._view_layer(scene)))
+
+    def in_materials(self) -> str:
+        """Let materials show all that is baked; returns that in words, which are empty where the scene is gone.
+
+        Raises:
+            PccError: no probe of the scene can be shown.
+        """
+        scene = self._scene()
+        if scene is None:
+            return ""
+        report = inject(scene, self._view_layer(scene))
+        states.call_late(scene)  # of what has just been baked, also where handlers are paused meanwhile
+        idle.expect()
+        return in_words(report)
+
+    def in_viewport(self) -> None:
+        """Let viewports that have no materials show what renders show."""
+        scene = self._scene()
+        if scene is not None:
+            show_rendered(scene)
+
+    def _view_layer(self, scene: bpy.types.Scene) -> bpy.types.ViewLayer:
+        return scene.view_layers.get(self.layer) or scene.view_layers[0]
+
+    def _scene(self) -> bpy.types.Scene | None:
+        return next((scene for scene in bpy.data.scenes if scene.session_uid == self.scene_uid), None)

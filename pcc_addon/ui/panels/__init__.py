@@ -1,0 +1,1 @@
+"""One module for each panel, in the manner of Blender's own."""

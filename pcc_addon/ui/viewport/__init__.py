@@ -1,0 +1,1 @@
+"""What is drawn into 3D views."""
