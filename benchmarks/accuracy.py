@@ -1,4 +1,4 @@
-"""What accuracy costs in known scenes: error against seconds, equal-time pictures, Blender's own sphere probe.
+"""What accuracy costs in known scenes: error against seconds, equal-time pictures.
 
 python3 dev.py run benchmarks/accuracy.py [--budget SECONDS] [ROOM.blend …] [-- NAME …]
 
@@ -27,7 +27,7 @@ from pcc_addon.core.accuracy.records import CostReport, Kind, Measurement
 from pcc_addon.core.probe import Engine
 from sample_blends import glass, scenes
 from sample_blends.build import SAMPLES
-from sample_blends.three_ways import Rendered, side_by_side
+from sample_blends.ways import Rendered, side_by_side
 
 PAGE, FOLDER, IMAGES = ROOT / "docs" / "accuracy.md", ROOT / "build" / "accuracy", ROOT / "docs" / "images" / "accuracy"
 MARK = "written by benchmarks/accuracy.py"
@@ -81,7 +81,6 @@ def main() -> None:
             write_between(PAGE, f"{subject.name}: {MARK}", "\n\n".join(_section(subject.name, *each) for each in known))
     if reports:
         write_between(PAGE, f"summary: {MARK}", _summary(reports))
-        write_between(PAGE, f"spheres: {MARK}", _spheres(reports))
     if "interior" in wanted:
         write_between(PAGE, f"interior: {MARK}", _interior())
 
@@ -201,39 +200,6 @@ def _summary(reports: dict[tuple[str, Engine], CostReport]) -> str:
     head = ["scene", "engine", "best of the probe", "its error", "without probes in its frame's time"]
     where = next(iter(reports.values())).where
     return f"Measured on {where}.\n\n{table([*head, 'bake', 'frame', 'better', 'paid after frames'], rows)}"
-
-
-def _spheres(reports: dict[tuple[str, Engine], CostReport]) -> str:
-    """Blender's own sphere probe in EEVEE beside ours; a sphere of n pixels holds n² texels, six faces 6 n²."""
-    rows = []
-    for (name, engine), report in reports.items():
-        if engine is not Engine.EEVEE:
-            continue
-        for parallax in ("NONE", "BOX"):
-            spheres = _best_by_size(report, Kind.SPHERE, parallax)
-            rows += [[name, labels.of_bake(m.settings), _texels(m), _told(report, m)] for m in spheres]
-        for correction in ("BOX", "RELIEF"):
-            ours = _best_by_size(report, Kind.PROBE, correction)
-            rows += [[name, labels.of_bake(m.settings), _texels(m), _told(report, m)] for m in ours]
-    return table(["scene", "probe", "texels", "error"], rows) if rows else "–"
-
-
-def _best_by_size(report: CostReport, kind: Kind, correction: str) -> list[Measurement]:
-    """Of each size of one kind of probe the measurement with the least error, the smallest first."""
-    found: dict[int, Measurement] = {}
-    for each in report.measurements:
-        size = each.settings.resolution
-        if (each.settings.kind, each.settings.correction, each.settings.fitted) == (kind, correction, False):
-            found[size] = min(found.get(size, each), each, key=lambda m: m.rmse)
-    return [found[size] for size in sorted(found)]
-
-
-def _texels(each: Measurement) -> str:
-    return f"{each.settings.resolution**2 * (1 if each.settings.kind is Kind.SPHERE else 6):,}"
-
-
-def _told(report: CostReport, each: Measurement) -> str:
-    return labels.error(error_of(report, each))
 
 
 def _interior() -> str:

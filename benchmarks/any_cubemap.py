@@ -14,7 +14,7 @@ from mathutils import Euler
 
 from benchmarks.measure import ROOT, relative_rmse, render, start, table, write_between
 from pcc_addon.core.probe import Engine
-from sample_blends import three_ways
+from sample_blends import ways
 from sample_blends.any_cubemap import chequered_sky, mirror_ball, paint_walls, write_cross
 from sample_blends.scenes import emissive
 
@@ -51,13 +51,13 @@ def _painted(words: str, tilt: Euler | None, folder: Path) -> list[list[object]]
         rows.append([f"cross of {SOURCE} px a face", words, size, *errors])
     if tilt is None:
         boxed = _large(scene, "No walls, a probe with the picture", folder / "boxed.png")
-        three_ways.side_by_side([boxed, traced], ROOT / "docs" / "images" / "any_cubemap.png")
+        ways.side_by_side([boxed, traced], ROOT / "docs" / "images" / "any_cubemap.png")
     return rows
 
 
-def _large(scene: bpy.types.Scene, label: str, path: Path) -> three_ways.Rendered:
+def _large(scene: bpy.types.Scene, label: str, path: Path) -> ways.Rendered:
     scene.render.resolution_percentage = 200
-    rendered = three_ways.render(scene, label, path)
+    rendered = ways.render(scene, label, path)
     scene.render.resolution_percentage = 100
     return rendered
 

@@ -66,7 +66,7 @@ Cycles, with ray tracing and without.
 In Cycles paths that left a diffuse surface see the surface's own lobe, all others the probe. There is no setting: the
 other choices, the probe for all rays or its roughest level for those, are measured in [noise and
 fireflies](noise.md), and [decisions](decisions.md) say what follows. To have the probe for all rays in one material,
-use it [by hand](by_hand.md)."""
+use it [by hand](artists/by_hand.md)."""
 _METAL = {"Base_Color": (0.9, 0.9, 0.9, 1.0), "Metallic": 1.0}
 CASES = (
     Case("mirror", _METAL | {"Roughness": 0.0}),

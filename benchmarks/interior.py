@@ -32,8 +32,8 @@ from sample_blends.interior import (
     real_rooms,
 )
 from sample_blends.scenes import EMISSIVE_COLORS, add_camera, add_wall, emissive_checker, empty_scene
-from sample_blends.three_ways import render as render_shown
-from sample_blends.three_ways import side_by_side
+from sample_blends.ways import render as render_shown
+from sample_blends.ways import side_by_side
 
 PAGE = ROOT / "docs" / "interior.md"
 SIZES = (128, 256, 512)

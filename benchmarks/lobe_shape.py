@@ -38,6 +38,7 @@ from sample_blends.scenes import (
     principled_node,
 )
 from sample_blends.two_rooms import two_rooms
+from tests.core.lobes import both_sides
 
 ROUGHNESSES = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6)
 COSINES = (0.04, 0.08, 0.15, 0.25, 0.4, 0.6, 0.85)
@@ -151,8 +152,8 @@ class Views:
 
     def truth(self) -> np.ndarray:
         """(n, 3): the mean over the lobe, as a white one would reflect it."""
-        facet, ways, leaving = reflected_samples(self.cosine, self.roughness, GRID)
-        weight = leaving * self.facets.curve(facet)
+        facet, beside, leaving = reflected_samples(self.cosine, self.roughness, GRID)
+        ways, weight = both_sides(beside, leaving * self.facets.curve(facet))
         ways, weight = ways[weight > 0.0], weight[weight > 0.0]
         seen, _ = self.room.met(self.points[:, None], ways @ self.turns.transpose(0, 2, 1))
         return (seen * weight[:, None]).sum(1) / weight.sum()

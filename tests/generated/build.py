@@ -9,7 +9,7 @@ from mathutils import Matrix, Vector
 from pcc_addon.blender import marks
 from sample_blends.scenes import emissive, empty_scene, principled, principled_node
 
-from .scenes import GLOWS, OPEN, Drawn, Kind, Paint, Room, Shape, Stand, Thing, View
+from .scenes import ANY, GLOWS, NONE, OPEN, Drawn, Kind, Paint, Room, Shape, Stand, Thing, View
 
 SIZE = 24
 """Pixels along a side of the picture."""
@@ -30,6 +30,7 @@ def build(drawn: Drawn) -> bpy.types.Scene:
     for k, room in enumerate(drawn.rooms):
         _add_walls(k, room, materials)
         _add_probe(k, room, drawn, things)
+    _choose(drawn, things, materials)
     _add_camera(drawn.view, drawn)
     bpy.context.view_layer.update()
     return scene
@@ -162,6 +163,17 @@ def _add_probe(number: int, room: Room, drawn: Drawn, things: list[bpy.types.Obj
         settings.excluded.objects.link(things[0])
     if room.moves:
         _move(probe, Vector((0.6, 0.3, 0.2)), turn=0.4)
+
+
+def _choose(drawn: Drawn, things: list[bpy.types.Object], materials: list[bpy.types.Material]) -> None:
+    """Which probes paints and things show."""
+    for material, room in zip(materials, drawn.chosen, strict=True):
+        if room == NONE:
+            material.pcc.show_probes = False
+        elif room != ANY:
+            material.pcc.probe = bpy.data.objects[f"Probe {room}"]
+    for item, excluded in zip(things, drawn.excluded, strict=True):
+        item.pcc.show_probes = not excluded
 
 
 def _add_thing(name: str, thing: Thing, drawn: Drawn, materials: list[bpy.types.Material]) -> bpy.types.Object:

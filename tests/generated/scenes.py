@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 Triple = tuple[float, float, float]
 OPEN, GLOWS = -2, -1
 """What a wall may be instead of the number of a paint: not there, or a lamp."""
+NONE, ANY = -2, -1
+"""What a paint may show instead of the probe of a room: none, or whichever it is in."""
 
 
 class Kind(Enum):
@@ -166,7 +168,14 @@ class View:
 
 @dataclass(frozen=True)
 class Drawn:
-    """One scene."""
+    """One scene.
+
+    Attributes:
+        paints, rooms, things, view: what is there.
+        roughness_limit, samples, resolution: its settings.
+        chosen: by paint the room whose probe alone it shows, `ANY` or `NONE`.
+        excluded: by thing whether it shows no probe.
+    """
 
     paints: tuple[Paint, ...]
     rooms: tuple[Room, ...]
@@ -175,6 +184,8 @@ class Drawn:
     roughness_limit: float
     samples: int
     resolution: int
+    chosen: tuple[int, ...]
+    excluded: tuple[bool, ...]
 
     @property
     def moves(self) -> bool:
@@ -286,7 +297,9 @@ def scenes(draw: st.DrawFn) -> Drawn:
     view = View(draw(which), place, draw(which), draw(_triples(-0.5, 0.5, 4)), draw(_rarely(10)), draw(_rarely(10)))
     limit = draw(st.sampled_from([0.6, 0.6, 0.35, 1.0]))
     samples, resolution = draw(st.integers(1, 4)), draw(st.sampled_from([16, 24, 32]))
-    return Drawn(tuple(known), tuple(rooms), tuple(things), view, limit, samples, resolution)
+    chosen = tuple(draw(st.sampled_from([ANY, ANY, ANY, ANY, NONE, *range(len(rooms))])) for _ in known)
+    excluded = tuple(draw(_rarely()) for _ in things)
+    return Drawn(tuple(known), tuple(rooms), tuple(things), view, limit, samples, resolution, chosen, excluded)
 
 
 def _moved(room: Room, place: Triple) -> Room:

@@ -58,6 +58,7 @@ def test_a_drawn_scene_looks_as_with_everything_on(number: int, tmp_path: Path) 
     check(compare(frames_of(scene)), tmp_path, pformat(scene))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("state", ["ON", "OFF"])
 @pytest.mark.parametrize("number", [2, 3])
 def test_everything_can_be_forced_at_once(number: int, state: str) -> None:

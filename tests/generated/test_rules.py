@@ -20,7 +20,7 @@ from pcc_addon.core.surface_plan import SurfacePlan
 
 from .build import build
 from .pruning import compare
-from .scenes import GLOWS, OPEN, Drawn, Kind, Paint, Room, Shape, Stand, Thing, View
+from .scenes import ANY, GLOWS, OPEN, Drawn, Kind, Paint, Room, Shape, Stand, Thing, View
 
 MIRROR = Paint(Kind.METAL, 0.0, False, False, (0.9, 0.5, 0.2))
 ROOM = Room(
@@ -46,7 +46,7 @@ ROOM = Room(
 )
 BALL = Thing(Shape.BALL, 0, 0, 0.3, Stand.MIDDLE, 0, 1, (0.0, 0.0), (0.0, 0.0, 0.0), False)
 VIEW = View(0, (-0.7, 0.0, 0.35), 0, (0.25, 0.0, 0.0), False, False)
-SCENE = Drawn((MIRROR,), (ROOM,), (BALL,), VIEW, 0.6, 2, 16)
+SCENE = Drawn((MIRROR,), (ROOM,), (BALL,), VIEW, 0.6, 2, 16, (ANY,), (False,))
 
 
 def with_room(**settings: Any) -> Drawn:
@@ -72,7 +72,10 @@ BESIDE = replace(
 BEHIND = View(0, (0.9, 0.3, 0.3), 0, (0.25, 0.0, 0.0), False, False)
 FROM_OUTSIDE = replace(SCENE, rooms=(replace(ROOM, walls=(GLOWS, GLOWS, GLOWS, 0, GLOWS, GLOWS)),), view=OUTSIDE)
 ELSEWHERE = replace(
-    DOORWAY, rooms=(replace(OPENING, falloff=0.0, padding=0.0),), things=(BALL, replace(BALL, stand=Stand.BEYOND))
+    DOORWAY,
+    rooms=(replace(OPENING, falloff=0.0, padding=0.0),),
+    things=(BALL, replace(BALL, stand=Stand.BEYOND)),
+    excluded=(False, False),
 )
 
 Break = Callable[[pytest.MonkeyPatch], None]
@@ -187,6 +190,7 @@ RULES = [
 ]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.name)
 def test_a_broken_rule_is_seen(rule: Rule, monkeypatch: pytest.MonkeyPatch) -> None:
     build(rule.scene)
@@ -195,6 +199,7 @@ def test_a_broken_rule_is_seen(rule: Rule, monkeypatch: pytest.MonkeyPatch) -> N
     assert bool((found.difference > found.allowed).any()), f"{found.relative:.1e}"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "scene",
     dict.fromkeys(rule.scene for rule in RULES),

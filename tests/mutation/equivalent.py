@@ -5,6 +5,7 @@ from __future__ import annotations
 _GROWN = (
     "probe.box.axes * (1.0 + margin / probe.box.half_widths) for probe, margin in zip(probes, margins, strict=True)"
 )
+_ON, _LIT = "on = nearer > 0.0", "lit = luminance > _DARKEST"
 _NEAR = "near = ((lows <= high) & (highs >= low)).all(1).nonzero()[0].tolist()"
 _MEAN = "return float(probe.within_influence(points).mean()), float(distances.max(-1).mean())"
 _SHARED_DEPTH = "box = Correction.ORIENTED_BOX if effects.correction is Correction.NONE else effects.correction"
@@ -16,7 +17,7 @@ _ROUGHNESSES = (
     "_ROUGHNESSES = np.array("
     "[0.01, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.7, 0.85, 1.0])"
 )
-_WEIGHT = "weight = weight * np.where(roughness <= _IMPORTANT, 1.0, 0.2)"
+_WEIGHT = "weight = weight * np.where(_ROUGHNESS <= _IMPORTANT, 1.0, 0.2)"
 _MEANS = "return (tuple(float(k) for k in np.linalg.lstsq(basis, 1.0 - means, rcond=None)[0]),)"
 _INNER = "if inner is not None and index < len(inner.inputs):"
 _ENGINES = 'for original, engine in zip(originals, ("CYCLES", "EEVEE"), strict=False):'
@@ -29,12 +30,13 @@ _CLEANED = (
     ".astype(np.float32)"
 )
 _FACE_OF = "index = 2 * axis + (np.take_along_axis(directions, axis[:, None], -1)[:, 0] < 0)"
-_GRID = 'first, second = np.meshgrid(u, u, indexing="ij")'
 _AVERAGES = (
     "def directional_averages("
     "cosines: np.ndarray, roughness: float, curves: Sequence[Curve], grid: int = 96) -> np.ndarray:"
 )
-_UNIT = "return normal / np.linalg.norm(normal, axis=-1, keepdims=True)"
+_OVER_LOBES = "return np.array([(weights * curve(facets)).mean(-1) for curve in curves])"
+_OVER_LOBE = "return np.concatenate([(weights * curve(facets)).mean(-1) for facets, weights in _samples(distribution)])"
+_PASSED = "return (weights * (1.0 - fresnel_dielectric(facets, eta))).mean(-1)"
 _LEAVES = "return np.where(light_cosine > 0.0, (1.0 + lambda_view) / (1.0 + lambda_view + lambda_light), 0.0)"
 _SEEN = "return np.where(light_cosine > 0.0, distribution * masking, 0.0)"
 _FACES = 'for axis, row, area in zip("XYZ", _COFACTORS, _AREAS, strict=True)'
@@ -56,12 +58,11 @@ _INPUTS = "for old, new in zip(node.inputs, copy.inputs, strict=True):"
 _POINTS = "for theirs, ours in zip(curve.keyframe_points, made.keyframe_points, strict=True):"
 _PAIRS = "pairs = zip(found, values, strict=True)"
 _KEYS = "for level, key in zip(levels, keys, strict=True)"
-_RECORD = (
-    'return {level.file for level in sidecar.Sidecar.from_json(path.read_text(encoding="utf-8"), path.name).levels}'
-)
 _MIXED = 'mix = self._new("ShaderNodeMixShader", right=right, row=row)'
 
 EQUIVALENT: dict[tuple[str, str, str, str], str] = {
+    ("core/thumbnails.py", _ON, "nearer > 0.0", "nearer >= 0.0"): "no ray meets the very rim",
+    ("core/thumbnails.py", _LIT, "luminance > _DARKEST", "luminance >= _DARKEST"): "as good as black",
     ("core/belonging.py", _NEAR, "highs >= low", "highs > low"): "a coarse test before an exact one",
     ("core/belonging.py", _MEAN, "-1", "1"): "the last axis of two",
     ("core/belonging.py", _GROWN, "strict=True", ""): "both are as long",
@@ -75,7 +76,9 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("core/effects/fresnel.py", _CRITICAL, "g2 > 0.0", "g2 >= 0.0"): "at the critical angle both are 1",
     ("core/effects/lobe.py", _COSINES, "0.002", "0.003"): "one of many points of a fit",
     ("core/effects/lobe.py", _ROUGHNESSES, "0.16", ""): "one of many points of a fit",
-    ("core/effects/lobe.py", _WEIGHT, "roughness <= _IMPORTANT", "roughness < _IMPORTANT"): "no point lies on it",
+    ("core/effects/lobe.py", _WEIGHT, "_ROUGHNESS <= _IMPORTANT", "_ROUGHNESS < _IMPORTANT"): "no point lies on it",
+    ("core/effects/lobe.py", _OVER_LOBE, "-1", "1"): "the last axis of two",
+    ("core/effects/lobe.py", _PASSED, "-1", "1"): "the last axis of two",
     ("core/effects/lobe.py", _MEANS, "rcond=None", ""): "NumPy's own default",
     (
         "blender/read/materials.py", _INNER, "index < len(inner.inputs)", "index <= len(inner.inputs)",
@@ -129,11 +132,9 @@ EQUIVALENT: dict[tuple[str, str, str, str], str] = {
     ("blender/shade/animation.py", _POINTS, "strict=True", ""): "as many points were added",
     ("blender/shade/playback.py", _PAIRS, "strict=True", ""): "a value was made for each change",
     ("blender/store/sequences.py", _KEYS, "True", "False"): "a key was made for each",
-    ("blender/store/leftovers.py", _RECORD, "encoding='utf-8'", ""): "records are ASCII",
     ("core/cubemap.py", _FACE_OF, "-1", "1"): "the last axis of two",
-    ("core/ggx.py", _GRID, "indexing='ij'", ""): "the same samples in another order",
     ("core/ggx.py", _AVERAGES, "96", "97"): "as many points of a quadrature",
-    ("core/ggx.py", _UNIT, "-1", "1"): "the last axis of two",
+    ("core/ggx.py", _OVER_LOBES, "-1", "1"): "the last axis of two",
     ("core/ggx.py", _LEAVES, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
     ("core/ggx.py", _SEEN, "light_cosine > 0.0", "light_cosine >= 0.0"): "at a right angle all is masked",
     ("blender/shade/drivers.py", _FACES, "strict=True", ""): "all are as long",

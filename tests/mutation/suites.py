@@ -4,6 +4,7 @@ from __future__ import annotations
 
 _OF_PROBES = "tests/core/test_plan_probes.py"
 _OF_MATERIALS = "tests/core/test_plan_materials.py"
+_OF_CHOICES = "tests/core/test_chosen.py"
 _PLAN = ("tests/core/test_plan.py", _OF_PROBES, _OF_MATERIALS, "tests/core/test_plan_report.py")
 _REFLECTANCE = ("tests/core/test_reflectance.py",)
 _LOBES = ("tests/core/test_plan.py", *_REFLECTANCE)
@@ -14,7 +15,8 @@ _STALE = ("tests/blender/test_fingerprint.py", "tests/blender/test_stale_rows.py
 _SUBJECTS = "tests/conformance/test_subjects.py"
 
 SUITES: dict[str, tuple[str, ...]] = {
-    "core/belonging.py": ("tests/core/test_belonging.py", *_PLAN),
+    "core/belonging.py": ("tests/core/test_belonging.py", *_PLAN, _OF_CHOICES),
+    "core/chosen.py": (_OF_CHOICES, "tests/core/test_plan_report.py"),
     "core/plan.py": _PLAN,
     "core/surface_plan.py": _PLAN,
     "core/material_plan.py": _PLAN,
@@ -32,10 +34,16 @@ SUITES: dict[str, tuple[str, ...]] = {
     "core/reach.py": ("tests/core/test_reach.py", "tests/core/test_faces_needed.py"),
     "core/pictures.py": ("tests/core/test_pictures.py", _OF_PROBES, "tests/core/test_sidecar.py"),
     "core/probe.py": ("tests/core/test_probe.py", "tests/core/test_formula.py", "tests/core/test_stretched.py"),
+    "core/placing.py": ("tests/core/test_placing.py",),
+    "core/dragging.py": ("tests/core/test_dragging.py",),
+    "core/fit/guess.py": ("tests/core/test_guess.py",),
     "core/frames.py": ("tests/core/test_frames.py",),
     "core/workplace.py": ("tests/core/test_workplace.py",),
     "core/sequence.py": ("tests/core/test_sequence.py", "tests/core/test_frames.py"),
     "core/layouts.py": ("tests/core/test_layouts.py",),
+    "core/thumbnails.py": ("tests/core/test_thumbnails.py",),
+    "core/bake_words.py": ("tests/core/test_bake_words.py",),
+    "core/remarks.py": ("tests/core/test_remarks.py",),
     "core/picture_files.py": ("tests/core/test_picture_files.py",),
     "core/readings.py": _PLAN,
     "core/backends/arrays.py": (
@@ -154,13 +162,21 @@ SUITES: dict[str, tuple[str, ...]] = {
         )
     },
     "blender/fitting.py": ("tests/blender/test_fitting.py",),
+    "blender/placing.py": ("tests/blender/test_placing.py",),
+    "blender/read/rays.py": ("tests/blender/test_rays.py", "tests/blender/test_placing.py"),
+    "blender/reshaping.py": ("tests/blender/test_reshaping.py",),
+    "blender/judging.py": ("tests/blender/test_judging.py",),
     "core/content_hash.py": ("tests/core/test_content_hash.py",),
     "blender/read/materials.py": _MATERIALS,
     "blender/read/nodes.py": _MATERIALS,
     "blender/read/probes.py": ("tests/blender/test_read_probes.py", "tests/blender/test_probe_add.py"),
     "blender/read/facets.py": ("tests/blender/test_read_facets.py",),
     "blender/read/scene.py": ("tests/blender/test_read_scene.py",),
-    "blender/handlers.py": ("tests/blender/test_handlers.py", "tests/blender/test_live.py"),
+    "blender/handlers.py": (
+        "tests/blender/test_handlers.py",
+        "tests/blender/test_chosen_probes.py",
+        "tests/blender/test_live.py",
+    ),
     "blender/marks.py": ("tests/blender/test_marks.py",),
     "blender/shade/animation.py": (
         "tests/blender/test_repeated_animation.py",
@@ -168,10 +184,10 @@ SUITES: dict[str, tuple[str, ...]] = {
     ),
     "blender/shade/built.py": _GROUPS[:1],
     "blender/shade/by_hand.py": ("tests/blender/test_by_hand.py",),
-    "blender/shade/copies.py": ("tests/blender/test_divided.py",),
+    "blender/shade/copies.py": ("tests/blender/test_divided.py", "tests/blender/test_chosen_probes.py"),
     "blender/shade/drivers.py": ("tests/blender/test_drivers.py",),
     "blender/shade/groups.py": _TWINS,
-    "blender/shade/injection.py": ("tests/blender/test_injection.py", *_TWINS),
+    "blender/shade/injection.py": ("tests/blender/test_injection.py", "tests/blender/test_chosen_probes.py", *_TWINS),
     "blender/shade/interior.py": ("tests/blender/test_interior.py",),
     "blender/shade/live.py": _TWINS[::-1],
     "blender/shade/node_builder.py": ("tests/blender/test_emitted_nodes.py", "tests/blender/test_node_builder.py"),
@@ -185,10 +201,14 @@ SUITES: dict[str, tuple[str, ...]] = {
     "blender/shade/sketch.py": (*_TWINS, "tests/blender/test_twin_layout.py"),
     "blender/shade/surface_builder.py": (*_TWINS, "tests/blender/test_twin_layout.py"),
     "blender/shade/twin_builder.py": _TWINS,
-    "blender/status.py": ("tests/blender/test_status.py", "tests/blender/test_faces.py"),
+    "blender/status.py": (
+        "tests/blender/test_status.py",
+        "tests/blender/test_copied_probes.py",
+        "tests/blender/test_faces.py",
+    ),
     "blender/store/image_files.py": ("tests/blender/test_any_cubemap.py",),
     "blender/store/keeping.py": ("tests/blender/test_levels.py", "tests/blender/test_bake_files.py"),
-    "blender/store/leftovers.py": ("tests/blender/test_leftovers.py",),
+    "blender/store/leftovers.py": ("tests/blender/test_leftovers.py", "tests/blender/test_files_saving.py"),
     "blender/store/levels.py": ("tests/blender/test_levels.py",),
     "blender/store/pictures.py": ("tests/blender/test_pictures.py", "tests/blender/test_levels.py"),
     "blender/store/sequences.py": ("tests/blender/test_sequences.py",),

@@ -19,6 +19,11 @@ probe.pcc_probe.resolution, probe.pcc_probe.samples = 16, 1
 assert bpy.ops.pcc.bake(scope="STALE") == {"FINISHED"}
 assert bpy.ops.pcc.inject() == {"FINISHED"}
 assert probe.pcc_probe.levels[0].image.size[0] == 64
+if hasattr(bpy.types, "EXPORT_SCENE_OT_gltf"):
+    path = os.path.join(sys.argv[2], "room.glb")
+    bpy.ops.export_scene.gltf(filepath=path)
+    with open(path, "rb") as file:
+        assert b'"PCC_parallax_probe"' in file.read(), "Blender's glTF exporter does not find the add-on"
 bpy.ops.preferences.addon_disable(module="bl_ext.user_default.parallax_probes")
 assert not hasattr(bpy.types.Object, "pcc_probe")
 print("OK")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 import tomllib
@@ -13,7 +12,9 @@ import pytest
 
 pytest.importorskip("bpy", reason="needs Blender as a module (pip install bpy)")
 
+
 from .extension import ROOT, build, tool
+from .manual import pages
 
 try:
     tool()
@@ -29,7 +30,11 @@ def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_zip_holds_the_add_on_and_nothing_else(archive: Path) -> None:
     names = {name for name in zipfile.ZipFile(archive).namelist() if not name.endswith("/")}
     sources = {str(p.relative_to(ROOT).as_posix()) for p in (ROOT / "pcc_addon").rglob("*.py")}
-    data = {"pcc_addon/core/effect_costs.json"}
+    beside = (ROOT / "pcc_addon" / "core" / "export" / "beside").rglob("*.*")
+    data = {"pcc_addon/core/effect_costs.json", *(path.relative_to(ROOT).as_posix() for path in beside)}
+    manual = {name for name in names if name.startswith("pcc_addon/manual/")}
+    assert {f"pcc_addon/manual/{page.stem}.html" for page in pages()} < manual
+    names -= manual
     assert names == sources | data | {"blender_manifest.toml", "__init__.py", "LICENSE"}
 
 
@@ -58,10 +63,3 @@ def test_installed_zip_bakes_a_probe_and_leaves_nothing_when_disabled(archive: P
     command = [sys.executable, str(script), str(archive), str(tmp_path / "user")]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0 and done.stdout.rstrip().endswith("OK"), done.stdout[-2000:] + done.stderr[-2000:]
-
-
-def test_links_in_the_documents_lead_somewhere() -> None:
-    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]
-    for page in pages:
-        for link in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8")):
-            assert "://" in link or (page.parent / link).exists(), f"{page.name}: {link}"

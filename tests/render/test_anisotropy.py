@@ -63,6 +63,7 @@ def brushed(kind: str, inputs: dict, linked: bool) -> bpy.types.Object:
     return floor
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("case", CASES)
 def test_a_brushed_floor_shows_its_wide_lobe_where_cycles_does(addon: None, case: str) -> None:
     """EEVEE too, whose own lobes are round: its default tangent is that of Cycles."""

@@ -40,6 +40,7 @@ def truth_of_painted_walls(scene: bpy.types.Scene) -> np.ndarray:
     return truth
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("mirrored", [False, True], ids=["as it is", "mirrored"])
 @pytest.mark.parametrize("tilt", [None, TILTED], ids=["turned", "tilted"])
 def test_the_ball_shows_the_picture_as_if_it_were_painted_on_walls(
@@ -78,6 +79,7 @@ def test_the_box_may_be_fitted_afterwards_and_the_picture_follows(scene, tmp_pat
     assert relative_rmse(shown(ball), truth) <= 0.06
 
 
+@pytest.mark.heavy
 def test_a_sky_that_is_not_corrected_stays_where_the_sky_is(scene) -> None:
     """Its picture is taken along the axes of the tilted box and looked up along them."""
     ball = small_ball(TILTED)

@@ -119,6 +119,7 @@ def test_the_reported_place_is_where_the_broken_object_stands(scene, towards) ->
     np.testing.assert_array_equal(shown(probe, towards), 0.0)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("denoise", [False, True])
 @pytest.mark.parametrize(
     ("strength", "what", "becomes"),
@@ -135,6 +136,7 @@ def test_negative_and_too_bright_light_in_cycles_is_told_denoised_or_not(
     np.testing.assert_allclose(shown(probe, towards), becomes, atol=1e-3)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("strength", [3e38, "infinite", "NaN"])
 @pytest.mark.parametrize("denoise", [False, True])
 def test_light_that_is_not_finite_is_black_in_cycles_own_picture(scene, denoise, strength) -> None:

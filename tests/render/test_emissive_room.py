@@ -40,6 +40,7 @@ def test_box_correction_finds_the_room_and_the_classic_lookup_does_not(room: bpy
     assert relative_rmse(render(room).pixels, truth, floor) >= 0.5
 
 
+@pytest.mark.heavy
 def test_a_rough_floor_shows_what_its_lobe_gathers_and_hardens_towards_walls(room: bpy.types.Scene) -> None:
     """Along the mirrored view the error is 0.30. Seen from above, the floor hardens towards the walls."""
     inputs = principled_node(bpy.data.objects["Wall -Z"].data.materials[0]).inputs

@@ -41,6 +41,7 @@ def _mean(scene: bpy.types.Scene, floor: np.ndarray, engine: Engine, traced: boo
     return render(scene, engine, samples=8).pixels[floor].mean(0)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("surface", SURFACES)
 def test_ray_tracing_of_eevee_changes_no_reflection_of_a_probe(scene: bpy.types.Scene, surface: str) -> None:
     """A second reflection, or one that is lost, is tens of per cent; both engines show the same."""
@@ -52,6 +53,7 @@ def test_ray_tracing_of_eevee_changes_no_reflection_of_a_probe(scene: bpy.types.
     np.testing.assert_allclose(on, cycles, rtol=0.02, atol=0.003)
 
 
+@pytest.mark.heavy
 def test_what_a_probe_leaves_is_traced_by_eevee_as_ever(scene: bpy.types.Scene) -> None:
     """A surface that shows half of a probe keeps half of what EEVEE makes of it, with and without ray tracing."""
     floor = _room(scene, "mirror", weight=0.5)

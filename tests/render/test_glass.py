@@ -46,6 +46,7 @@ def glass(kind: str, roughness: float, color: tuple, distribution: str = "GGX") 
 BECKMANN = [("glass", 0.3, "BECKMANN"), ("refraction", 0.3, "BECKMANN")]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("kind", "roughness", "distribution"), [(k, r, "GGX") for k in KINDS for r in (0.0, 0.3)] + BECKMANN
 )

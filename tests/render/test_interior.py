@@ -26,6 +26,7 @@ def _truth(scene: bpy.types.Scene) -> np.ndarray:
         return render(scene).pixels
 
 
+@pytest.mark.heavy
 def test_panes_show_the_rooms_that_could_be_there_and_a_flat_picture_does_not(house: bpy.types.Scene) -> None:
     material = show_rooms(128, 4)
     truth, mask = _truth(house), seen_panes(house)

@@ -89,6 +89,7 @@ def stand(probe: bpy.types.Object) -> None:
     """Nothing but the light changes."""
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("move", [stand, follow, ride], ids=lambda f: f.__name__)
 def test_each_frame_is_right_without_the_add_on(mirror_room, scene, tmp_path: Path, move) -> None:
     move(mirror_room)

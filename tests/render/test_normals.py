@@ -40,6 +40,7 @@ def seen(engine: Engine, side: float) -> np.ndarray:
     return picture
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_leaning_normals_mirror_as_the_path_tracer_does(leaning, side) -> None:
     truth = seen(Engine.CYCLES, side)

@@ -72,6 +72,7 @@ def _seen(scene: bpy.types.Scene, samples: int) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "inputs", SURFACES + LAYERED, ids=lambda inputs: ", ".join(f"{k} {v}" for k, v in inputs.items())
 )
@@ -87,6 +88,7 @@ def test_a_little_anisotropy_reflects_nearly_as_none(white_world: bpy.types.Scen
     _compare(white_world, principled("Surface", Base_Color=(0.6, 0.3, 0.1, 1.0), **keys), 0.02)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("distribution", ["GGX", "MULTI_GGX", "BECKMANN"])
 @pytest.mark.parametrize(("kind", "inputs"), OTHERS)
 def test_other_lobes_reflect_as_in_cycles(

@@ -156,6 +156,7 @@ def _save(stem: str, frame: Seen) -> list[Path]:
     return [OUTPUT / f"{stem}.png", *paths]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("engine", "pose", "face", "margin"),
     _cases([(pose, *mirror) for pose in POSES for mirror in MIRRORS], [(pose, "floor", 0.5) for pose in POSES]),
@@ -185,6 +186,7 @@ def test_a_mirror_on_a_face_of_the_box_is_inside_and_still(
     assert (film[0].exact != film[-1].exact).any(), "the eye has moved"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("engine", "outside", "padding", "falloff"),
     _cases([(o, *fade) for o in SHOWN for fade in FADES], [(o, *fade) for o in SHOWN for fade in FADES[::2]]),
@@ -221,6 +223,7 @@ def test_across_the_boundary_the_picture_changes_as_the_fade_says(
                 assert excess[covered[a] & covered[b]].max() <= 0.0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("engine", "seam"), _cases([(s,) for s in SEAMS], [(s,) for s in SEAMS if s in IN_EEVEE]))
 def test_no_line_shows_where_the_picture_is_put_together(
     scene: bpy.types.Scene, seam: str, engine: Engine, request: pytest.FixtureRequest

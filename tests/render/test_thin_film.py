@@ -86,6 +86,7 @@ def ids(inputs: object) -> str:
     return ", ".join(f"{k} {v}" for k, v in inputs.items()) if isinstance(inputs, dict) else str(inputs)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("inputs", DIELECTRICS + OTHERS, ids=ids)
 def test_a_film_over_a_dielectric_shows_the_colours_of_cycles(white_world: bpy.types.Scene, inputs: dict) -> None:
     compare(white_world, coated(PRINCIPLED, inputs), 0.03 + BEFORE_5)
@@ -95,6 +96,7 @@ def test_single_scattering_leaves_the_base_what_it_does_in_cycles(white_world: b
     compare(white_world, coated(PRINCIPLED, {"Roughness": 0.4, "Thin Film IOR": 1.33}, distribution="GGX"), 0.03)
 
 
+@pytest.mark.sweep
 @METALS
 @pytest.mark.parametrize("tint", [(1.0, 1.0, 1.0, 1.0), (0.3, 0.6, 1.0, 1.0)])
 @pytest.mark.parametrize("inputs", DIELECTRICS, ids=ids)
@@ -116,6 +118,7 @@ def test_a_film_covers_no_metal_where_cycles_shows_none(white_world: bpy.types.S
     compare(white_world, coated(PRINCIPLED, inputs, (0.9, 0.5, 0.1)), 0.03)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("roughness", [0.0, 0.3])
 @pytest.mark.parametrize("film", [1.33, 2.0])
 def test_a_film_over_glass_shows_the_colours_of_cycles(
@@ -137,6 +140,7 @@ def test_a_film_that_metallic_mixes_makes_no_shader_that_is_too_large(white_worl
     assert seen(white_world, 16).mean() == pytest.approx(truth, abs=0.1)
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(not compat.FILMS_ON_METAL, reason="the Glass BSDF has films from 5.0 on")
 @pytest.mark.parametrize("film", [1.33, 2.0])
 def test_a_film_over_a_glass_bsdf_shows_the_colours_of_cycles(white_world: bpy.types.Scene, film: float) -> None:

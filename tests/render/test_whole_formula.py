@@ -74,6 +74,7 @@ def add_blocks() -> None:
         bpy.context.object.visible_camera = False  # reflections show it
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("correction", ["BOX", "RELIEF"])
 @pytest.mark.parametrize("outside", [None, Outside.BLACK])
 @pytest.mark.parametrize("roughness", [0.0, 0.13])
