@@ -53,18 +53,26 @@ def corrected() -> Iterator[None]:
 
 
 def _hold(reason: object) -> None:
+    before = _shown()
     _held.add(reason)
-    _set()
+    if before is not _shown():
+        _set()
 
 
 def _let_go(reason: object) -> None:
+    before = _shown()
     _held.discard(reason)
-    _set()
+    if before is not _shown():
+        _set()
+
+
+def _shown() -> View:
+    return View.CORRECTED if _held else _view
 
 
 def _set() -> None:
     """Set every switch that is not as it is to be."""
-    shown = View.CORRECTED if _held else _view
+    shown = _shown()
     for node in groups.parallax_nodes():
         if node.mute != (shown is View.UNCORRECTED):
             node.mute = shown is View.UNCORRECTED

@@ -47,7 +47,7 @@ def over_black(scene, monkeypatch) -> bpy.types.Object:
 
 
 def glowing_room(monkeypatch) -> bpy.types.Object:
-    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 0)  # faces are rendered one by one
+    monkeypatch.setattr(capture, "_VIEWS_TO_REST", 0)  # faces are rendered one by one
     for side, (bright, dark) in EMISSIVE_COLORS.items():
         add_wall(ROOM, side, emissive_checker(f"Glow {side}", bright, dark))
     probe = small_probe(capture_offset=(0.0, 0.0, 0.05))
@@ -123,7 +123,7 @@ def test_denoised_faces_are_taken_over_too(probe, rendered) -> None:
 
 
 def test_faces_that_one_render_gives_are_taken_over_too(probe, rendered, monkeypatch) -> None:
-    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 10**9)
+    monkeypatch.setattr(capture, "_VIEWS_TO_REST", 10**9)
     bake(probe)
     before = of_faces(picture(probe))
     recolour("+X")
@@ -377,7 +377,7 @@ def test_a_lamp_or_a_diffuse_object_makes_all_faces_stale(probe, rendered, add) 
 
 
 def test_a_floor_that_is_not_black_is_no_proof_and_all_is_as_before(scene, rendered, monkeypatch) -> None:
-    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 0)
+    monkeypatch.setattr(capture, "_VIEWS_TO_REST", 0)
     probe = small_room()
     bake(probe)
     assert bake_record(probe).face_hashes == ()

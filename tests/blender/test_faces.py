@@ -43,7 +43,7 @@ def rendered(monkeypatch) -> list[str]:
 @pytest.fixture
 def hall(scene, monkeypatch) -> bpy.types.Object:
     """The probe of a room that a lamp lights with noise, with a mirror for a floor; faces are rendered one by one."""
-    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 0)
+    monkeypatch.setattr(capture, "_VIEWS_TO_REST", 0)
     return lit_hall()
 
 
@@ -304,7 +304,7 @@ def test_frames_have_all_faces(hall, rendered, tmp_path: Path) -> None:
 
 @together
 def test_faces_of_many_probes_in_one_render_are_those_that_are_planned(scene, monkeypatch) -> None:
-    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 10**9)
+    monkeypatch.setattr(capture, "_VIEWS_TO_REST", 10**9)
     probe, nested = small_room(), small_probe("Nested", capture_offset=(0.0, 0.0, -0.2))
     far = small_probe("Far", location=(100.0, 0.0, 0.0))
     for each in (probe, nested, far):
@@ -323,7 +323,7 @@ def test_faces_of_many_probes_in_one_render_are_those_that_are_planned(scene, mo
     assert seen == [16]
     assert {result.probe: result.faces for result in results} == wanted
     at_once = [picture(each).copy() for each in (probe, nested, far)]
-    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 0)
+    monkeypatch.setattr(capture, "_VIEWS_TO_REST", 0)
     bake(probe, nested, far)
     for each, before in zip((probe, nested, far), at_once, strict=True):
         assert np.abs(picture(each) - before).mean() < 0.01

@@ -126,7 +126,7 @@ def test_mending_builds_again_what_was_deleted_and_touches_nothing_else(probe, m
     def unexpected(*_: object) -> None:
         raise AssertionError("the scene was read for nothing")
 
-    monkeypatch.setattr(injection, "read_scene", unexpected)
+    monkeypatch.setattr(injection, "read_and_plan", unexpected)
     mend()
 
 

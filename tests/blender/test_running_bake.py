@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import pytest
 
-from pcc_addon.blender import devices, handlers, writing
+from pcc_addon.blender import devices, handlers, planning, writing
 from pcc_addon.blender.bake import background
 from pcc_addon.blender.devices import Devices
+from pcc_addon.blender.shade import injection
 from pcc_addon.blender.shade.preparing import Preparation
 from pcc_addon.ui.kept import idle, running_bake
 from pcc_addon.ui.kept import showing as kept_showing
@@ -87,6 +89,43 @@ def test_each_probe_is_shown_by_the_step_after_the_one_that_bakes_it(blend, monk
     for _ in range(2):
         bpy.ops.ed.redo()
     assert shown() == ["Probe"] and states()["Probe"] == "baked"
+
+
+def nothing() -> None:
+    """What is planned holds."""
+
+
+def rename() -> None:
+    bpy.data.materials["Floor"].name = "Ground"
+
+
+def hide() -> None:
+    floor = bpy.data.materials["Floor"]
+    next(item for item in bpy.data.objects if item.active_material == floor).hide_render = True
+    bpy.context.view_layer.update()
+
+
+@pytest.mark.parametrize(("change", "again"), [(nothing, 0), (rename, 1), (hide, 1)])
+def test_a_plan_is_obeyed_in_the_next_round_unless_something_changed(
+    blend,  # noqa: F811
+    monkeypatch,
+    tape,  # noqa: F811
+    change: Callable[[], None],
+    again: int,
+) -> None:
+    bpy.ops.pcc.remove()
+    floor = bpy.data.materials["Floor"]
+    play(monkeypatch, tape)
+    running_bake.begin(begin(the_probe()), showing())
+    while running_bake._planned is None:
+        assert running_bake._tick() is not None
+    assert shown(floor) == []
+    change()
+    asked = []
+    monkeypatch.setattr(injection, "read_and_plan", lambda *of: asked.append(True) or planning.read_and_plan(*of))
+    ticks()
+    assert len(asked) == again
+    assert shown(floor) == ([] if change is hide else ["Probe"])
 
 
 def test_a_bake_that_is_undone_before_it_was_shown_may_be_redone(blend, monkeypatch, tape) -> None:  # noqa: F811

@@ -311,7 +311,7 @@ def test_what_viewports_leave_out_is_not_taken_for_standing_still(blinking, scen
 @pytest.mark.parametrize("together", [False, True])
 def test_two_probes_share_renders_of_a_frame_but_not_of_another(blinking, scene, monkeypatch, together: bool) -> None:
     """Nothing of a probe tells two frames apart here: neither it nor its settings change."""
-    monkeypatch.setattr(capture, "_RAYS_OF_AN_OBJECT", 2**30 if together else 0)
+    monkeypatch.setattr(capture, "_VIEWS_TO_REST", 2**30 if together else 0)
     other = small_probe("Other", half_extents=(1.0, 1.0, 0.5))
     results = BakeJob(scene, bpy.context.view_layer, [blinking, other], bake_folder(scene), FrameRange(1, 4)).run()
     assert [(r.probe, r.error, r.pictures) for r in results] == [("Probe", None, 2), ("Other", None, 2)]

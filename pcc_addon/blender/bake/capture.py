@@ -22,10 +22,12 @@ from ..rendering import Renderer, RenderSettings
 from . import lamps, survey
 
 _SENSOR = 36.0
-_RAYS_OF_AN_OBJECT = 32
-# Probes whose faces one render gives: what it costs whatever it shows is shared by so many. Not more, since nobody can
-# stop it meanwhile (all its probes go over at most so many objects: seconds) and since all its pixels are held at once.
-_TOGETHER, _OBJECTS_TOGETHER, _PIXELS_TOGETHER = 32, 2**17, 2**22
+# What Cycles takes in every render, and in each of its views: in camera rays with their bounces, about 1 µs each
+# (measured: benchmarks/renders_together.py).
+_OF_AN_OBJECT, _OF_A_MATERIAL, _OF_BOTH, _OF_AN_OBJECT_IN_VIEW = 40.0, 300.0, 0.06, 3.0
+# All views of a render may take so many times what it takes whatever it shows: nobody can stop it between two.
+_VIEWS_TO_REST = 1
+_TOGETHER, _PIXELS_TOGETHER = 64, 2**22  # probes and pixels of one render at most, as these are held at once
 
 
 class Stage:
@@ -138,7 +140,7 @@ class Stage:
 
     def _face(self, probe: ProbeSpec, index: int, settings: RenderSettings) -> np.ndarray:
         self._renderer.use(settings)
-        if not self._together(settings):
+        if not self._probes_at_once(settings):
             what = f"probe '{probe.name}': face {FACES[index].name}"
             self.scene.camera = self._cameras[index]
             return _checked(what, self._renderer.picture(what).pixels, settings)
@@ -171,9 +173,7 @@ class Stage:
 
     def _alike(self, probe: ProbeSpec, settings: RenderSettings) -> list[ProbeSpec]:
         """The probes whose faces are rendered with those of one: it and the next ones that nothing sets apart."""
-        pixels = len(FACES) * settings.width * settings.height
-        most = min(self._most, _OBJECTS_TOGETHER // max(self._things, 1), _PIXELS_TOGETHER // pixels)
-        found = [probe]
+        most, found = self._probes_at_once(settings), [probe]
         for other in self._coming(probe)[1:]:
             if len(found) >= most or _apart(other) != _apart(probe) or probe.hidden:
                 break
@@ -190,15 +190,19 @@ class Stage:
             rotation = Matrix(face.rotation.tolist()).to_4x4()
             camera.matrix_world = Matrix.Translation(Vector(probe.capture_point)) @ rotation
 
-    def _together(self, settings: RenderSettings) -> bool:
-        """Whether one render of all faces is worth that nobody can stop it between two: rays take less than objects.
+    def _probes_at_once(self, settings: RenderSettings) -> int:
+        """Of how many probes one render gives all faces; 0 where each face is worth a render, which can be stopped."""
+        if not compat.VIEWS_CAN_BE_READ or settings.engine is not Engine.CYCLES:
+            return 0
+        pixels = len(FACES) * settings.width * settings.height
+        views = pixels * settings.samples + len(FACES) * _OF_AN_OBJECT_IN_VIEW * self._things
+        worth = int(_VIEWS_TO_REST * _of_a_render(self._things, len(bpy.data.materials)) / views)
+        return min(self._most, worth, max(_PIXELS_TOGETHER // pixels, 1))
 
-        Cycles goes over all objects, 20 µs each, in every render; a camera ray with its bounces takes it about 1 µs.
-        """
-        if not compat.VIEWS_CAN_BE_READ:
-            return False
-        rays = settings.width * settings.height * settings.samples
-        return settings.engine is Engine.CYCLES and rays <= _RAYS_OF_AN_OBJECT * self._things
+
+def _of_a_render(objects: int, materials: int) -> float:
+    """What a render takes whatever it shows, in rays: Cycles looks for the attributes of objects in all materials."""
+    return _OF_AN_OBJECT * objects + _OF_A_MATERIAL * materials + _OF_BOTH * objects * materials
 
 
 def _apart(probe: ProbeSpec) -> tuple:

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import PccError
-from .probes import bake_record
+from .probes import bake_record, is_placed
 
 
 class Holders:
@@ -51,7 +51,7 @@ def originals() -> dict[str, str]:
     """
     alike: dict[str, list[bpy.types.Object]] = {}
     for item in bpy.data.objects:
-        if item.type == "EMPTY" and item.pcc_probe.uid and item.users_collection and item.library is None:
+        if item.type == "EMPTY" and item.pcc_probe.uid and item.library is None and is_placed(item):
             alike.setdefault(item.pcc_probe.uid, []).append(item)
     found = {}
     for probes in alike.values():

@@ -37,6 +37,15 @@ def is_own_probe(item: bpy.types.Object) -> bool:
     return item.type == "EMPTY" and item.pcc_probe.is_probe and not item.library
 
 
+def is_placed(item: bpy.types.Object) -> bool:
+    """Whether an object is in a collection; what is deleted may stay in the file without.
+
+    View layers find an object by its name at once; collections go over all of theirs, so these are asked last.
+    """
+    layers = (layer for scene in bpy.data.scenes for layer in scene.view_layers)
+    return any(layer.objects.get(item.name) == item for layer in layers) or bool(item.users_collection)
+
+
 def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object]:
     """The probes with these names.
 

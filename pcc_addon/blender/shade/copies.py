@@ -83,6 +83,8 @@ def follow(original: bpy.types.Material, known: Sequence[bpy.types.Material]) ->
         differently are made anew.
     """
     changed, copies = [(original, twin.shown_probe_groups(original))], []
+    if not known:
+        return changed
     for copy in known:
         if _is_edited(copy) and marks.noted(copy, _STATE) == _state(original):
             _transfer(copy, original)

@@ -11,11 +11,11 @@ from ...core.belonging import beside, layered
 from ...core.errors import PccError
 from ...core.faces_needed import told_missing
 from ...core.material_plan import MaterialPlan
-from ...core.plan import Plan, make_plan
+from ...core.plan import Plan
 from ...core.readings import SceneReading
 from .. import marks
+from ..planning import PlannedScene, read_and_plan
 from ..read.probes import all_probes, bake_record
-from ..read.scene import read_scene
 from ..store.levels import bake_folder, ensure_levels
 from . import by_hand, copies, groups, live
 from .probe_group import refresh_group, shown_probe
@@ -42,6 +42,7 @@ def inject(
     scene: bpy.types.Scene,
     view_layer: bpy.types.ViewLayer,
     objects: Iterable[bpy.types.Object] | None = None,
+    planned: PlannedScene | None = None,
 ) -> InjectionReport:
     """Let the materials around the scene's baked probes show them; materials that do already are brought up to date.
 
@@ -49,12 +50,13 @@ def inject(
         scene: the scene whose probes and objects count.
         view_layer: which of its objects are rendered.
         objects: only their materials; None: all.
+        planned: what is obeyed, of the scene as it is now; None: it is read and planned first.
 
     Raises:
         PccError: no probe of the scene can be shown.
     """
-    reading = read_scene(scene, view_layer)
-    plan = make_plan(reading)
+    planned = planned or read_and_plan(scene, view_layer)
+    reading, plan = planned.reading, planned.plan
     notes = list(plan.notes)
     shown = _build_probes(scene, reading, plan, notes, whole=objects is None)
     if not shown:
@@ -99,7 +101,7 @@ def mend(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> None:
     """Build again what materials show and somebody deleted; nothing else is touched."""
     torn = {marks.original(m).name_full: marks.original(m) for m in bpy.data.materials if is_torn(m)}
     if torn:
-        _show_some(scene, read_scene(scene, view_layer), torn)
+        _show_some(scene, read_and_plan(scene, view_layer), torn)
 
 
 def show_anew(
@@ -114,14 +116,14 @@ def show_anew(
     """
     if not any(has_twins(material) or marks.noted(material, live.WITHHELD) for material in bpy.data.materials):
         return
-    reading = read_scene(scene, view_layer)
+    planned = read_and_plan(scene, view_layer)
     if isinstance(owner, bpy.types.Material):
         names = {owner.name_full}
     else:
-        placed = (placement for placement in reading.placements if placement.object == owner.name_full)
+        placed = (placement for placement in planned.reading.placements if placement.object == owner.name_full)
         names = {name for placement in placed for name in placement.materials}
     _show_some(
-        scene, reading, {material.name_full: material for material in bpy.data.materials if material.name_full in names}
+        scene, planned, {material.name_full: material for material in bpy.data.materials if material.name_full in names}
     )
 
 
@@ -135,11 +137,11 @@ def show_again(
     """
     some = {material.name_full: material for material in materials}
     if some:
-        _show_some(scene, read_scene(scene, view_layer), some)
+        _show_some(scene, read_and_plan(scene, view_layer), some)
 
 
-def _show_some(scene: bpy.types.Scene, reading: SceneReading, some: Mapping[str, bpy.types.Material]) -> None:
-    plan = make_plan(reading)
+def _show_some(scene: bpy.types.Scene, planned: PlannedScene, some: Mapping[str, bpy.types.Material]) -> None:
+    reading, plan = planned.reading, planned.plan
     shown = _build_probes(scene, reading, plan, [], whole=False)
     for material_plan in plan.materials:
         material = some.get(material_plan.material)

@@ -23,6 +23,7 @@ from ...core.words import named
 from .redrawing import redraw_panels
 
 if TYPE_CHECKING:
+    from ...blender.planning import PlannedScene
     from ...blender.shade.preparing import Preparation
     from .showing import Showing
 
@@ -52,6 +53,7 @@ _showing: Showing | None = None
 _preparation: Preparation | None = None
 _prepared = False
 _unseen: list[str] = []  # probes that have their bakes and are to be shown next
+_planned: PlannedScene | None = None  # what materials are to show of these, unless something changes before they do
 _shown, _unshown = "", ""  # in words: what materials show of this bake, or why they do not
 _outcome: Outcome | None = None
 _waits_for = ""
@@ -75,9 +77,9 @@ def begin(bake: BackgroundBake, showing: Showing | None = None) -> None:
         bake: it.
         showing: shows each probe as soon as it has its new bake, and in the end those that needed none; None: nobody.
     """
-    global _running, _more, _showing, _preparation, _prepared, _shown, _unshown, _outcome
+    global _running, _more, _showing, _preparation, _prepared, _planned, _shown, _unshown, _outcome
     _running, _more, _showing, _shown, _unshown, _outcome = bake, True, showing, "", "", None
-    _preparation, _prepared = None, showing is None
+    _preparation, _prepared, _planned = None, showing is None, None
     _unseen.clear()
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=0.0, persistent=True)
@@ -142,6 +144,8 @@ def _go_on() -> None:
         _prepare()
     elif _running.waiting:
         _adopt_next()
+    elif _planned is None:
+        _plan()
     else:
         _show_adopted()
 
@@ -156,8 +160,18 @@ def _prepare() -> None:
         _prepared = not _preparation.step()
 
 
+def _plan() -> None:
+    """Find out what materials are to show of the probes that have just got their bakes."""
+    global _planned
+    _planned = _showing.plan()
+    if _planned is None:  # the scene is gone
+        _unseen.clear()
+
+
 def _adopt_next() -> None:
     """Let a probe have its bake, as an undo step of its own."""
+    global _planned
+    _planned = None
     window = bpy.context.window_manager.windows[0]
     window.view_layer.update()  # what a script has just changed is followed; what is changed here need not be
     with bpy.context.temp_override(window=window), handlers.paused():
@@ -171,19 +185,21 @@ def _adopt_next() -> None:
 
 def _show_adopted() -> None:
     """Let materials show the probes that have just got their bakes, as an undo step of its own."""
-    names = named(_unseen)
+    global _planned
+    names, planned = named(_unseen), _planned
     _unseen.clear()
+    _planned = None
     with handlers.paused():
-        _show(f"Show {names}")
+        _show(f"Show {names}", planned)
     _redraw()
 
 
-def _show(step: str) -> None:
+def _show(step: str, planned: PlannedScene | None = None) -> None:
     """Let materials show what is baked, as an undo step of that name."""
     global _shown, _unshown
     with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
         try:
-            _shown, _unshown = _showing.in_materials(), ""
+            _shown, _unshown = _showing.in_materials(planned), ""
         except PccError as error:
             _shown, _unshown = "", str(error)
         if _shown:

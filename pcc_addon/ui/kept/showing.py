@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ...blender.planning import PlannedScene, read_and_plan
 from ...blender.shade import injection
 from ...blender.shade.injection import InjectionReport
 from ...blender.shade.preparing import Preparation
@@ -18,14 +19,17 @@ _NO_MATERIALS = "BLENDER_WORKBENCH"  # the engine whose renders have none
 
 
 def inject(
-    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, objects: Sequence[bpy.types.Object] | None = None
+    scene: bpy.types.Scene,
+    view_layer: bpy.types.ViewLayer,
+    objects: Sequence[bpy.types.Object] | None = None,
+    planned: PlannedScene | None = None,
 ) -> InjectionReport:
     """`injection.inject`, and its plan is the last one.
 
     Raises:
         PccError: no probe of the scene can be shown.
     """
-    report = injection.inject(scene, view_layer, objects)
+    report = injection.inject(scene, view_layer, objects, planned)
     if objects is None:
         states.injected(scene)
     last_plan.keep(scene, view_layer, report.plan)
@@ -49,6 +53,13 @@ def show_rendered(scene: bpy.types.Scene) -> None:
         shading = max(areas, key=lambda area: area.width * area.height).spaces.active.shading
         if shading.type in _FLAT:
             shading.type = kind
+
+
+def _holds(planned: PlannedScene, scene: bpy.types.Scene) -> bool:
+    """Whether a scene is as it was when it was planned; that a name has changed is no update of a scene."""
+    last = last_plan.of(scene)
+    same = last is not None and last.plan is planned.plan and not last.late
+    return same and planned.names_are_known(scene)
 
 
 @dataclass(frozen=True)
@@ -75,8 +86,20 @@ class Showing:
         known = last_plan.of(scene)  # a late one is nearly right, and a new one takes as long as reading the scene
         return Preparation(known.plan if known else last_plan.make(scene, self._view_layer(scene)))
 
-    def in_materials(self) -> str:
+    def plan(self) -> PlannedScene | None:
+        """What materials are to show; None where the scene is gone."""
+        scene = self._scene()
+        if scene is None:
+            return None
+        planned = read_and_plan(scene, self._view_layer(scene))
+        last_plan.keep(scene, self._view_layer(scene), planned.plan)
+        return planned
+
+    def in_materials(self, planned: PlannedScene | None = None) -> str:
         """Let materials show all that is baked; returns that in words, which are empty where the scene is gone.
+
+        Args:
+            planned: from `plan`, and obeyed where nothing has changed since; None: the scene is planned now.
 
         Raises:
             PccError: no probe of the scene can be shown.
@@ -84,7 +107,9 @@ class Showing:
         scene = self._scene()
         if scene is None:
             return ""
-        report = inject(scene, self._view_layer(scene))
+        if planned is not None and not _holds(planned, scene):
+            planned = None
+        report = inject(scene, self._view_layer(scene), planned=planned)
         states.call_late(scene)  # of what has just been baked, also where handlers are paused meanwhile
         idle.expect()
         return in_words(report)
