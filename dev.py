@@ -3,7 +3,7 @@
 
 python3 dev.py demo                 bake the gallery sample, render it four ways, make one labelled picture
 python3 dev.py test [PYTEST ARG…]   run the tests (--blender 4.5|5.0|5.2, --all for every version, --heavy for the slow
-                                    ones too; with --all the newest Blender runs everything, others a part: PARTS)
+                                    ones too; with --all another part each commit: PARTS)
 python3 dev.py lint                 ruff: format and lint; mypy: types in core
 python3 dev.py build                build and validate the extension's zip, its manual included, into build/
 python3 dev.py release              the zip, its checksum and an index for Blender's updates into build/release/
@@ -31,7 +31,8 @@ BLENDERS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
 TOOLS = ["pytest==8.*", "hypothesis==6.*", "mpmath==1.*", "moderngl==5.*", "flip-evaluator==1.*", "openjd-cli==0.*"]
 FIGURES = ["matplotlib==3.*", "pillow>=11"]
 PAGES = ["markdown-it-py==4.*", "mdit-py-plugins==0.5.*"]  # of the manual that the zip has
-# All Blenders but the newest run one of so many parts of the tests, each a part of its own, another with each commit.
+# With --all, all Blenders but the newest run one of so many parts of the tests, each a part of its own. Each commit has
+# other parts, and other cases of sweeps.
 PARTS = 4
 HALVES = 2  # the newest one's tests are run by so many processes, as each keeps one core busy
 MEMORY_OF_A_SUITE = 4 << 30  # bytes; the heavy tests leave Blender with 3 GB
@@ -89,11 +90,16 @@ def test(options: argparse.Namespace, rest: list[str]) -> int:
 def suites(versions: list[str]) -> dict[str, list[str]]:
     """Options of pytest by Blender and part, "5.2 1/2": all parts for the last Blender, one for each other."""
     *others, newest = versions
-    found = {f"{newest} {k}/{HALVES}": ["--part", f"{k}/{HALVES}"] for k in range(HALVES)}
+    sweeps = ["--sweeps", str(commits())] if others else []
+    found = {f"{newest} {k}/{HALVES}": ["--part", f"{k}/{HALVES}", *sweeps] for k in range(HALVES)}
     complete = {BLENDERS[version]: version for version in reversed(versions)}.values()  # the first of each Python
     for k, version in enumerate(others):
         part = f"{(commits() + k) % PARTS}/{PARTS}"
-        found[f"{version} {part}"] = ["--part", part, *([] if version in complete else ["--only-with-blender"])]
+        found[f"{version} {part}"] = [
+            *("--part", part),
+            *sweeps,
+            *([] if version in complete else ["--only-with-blender"]),
+        ]
     return found
 
 

@@ -23,11 +23,16 @@ settings.load_profile("default")
 
 
 WITHOUT_BLENDER = ("core", "glsl", "mutation", "vectors")  # folders; elsewhere the marker says it
-ONE_OF = 4  # cases of a sweep is run by default
+ONE_OF = 4  # cases of a sweep is run, unless all are asked for
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--heavy", action="store_true", help="run the tests that take minutes too")
+    parser.addoption(
+        "--sweeps",
+        metavar="K|all",
+        help="which cases of sweeps: every fourth from the K-th on; default 0, or with --heavy all",
+    )
     parser.addoption("--part", default="0/1", metavar="K/N", help="the K-th of N parts of the tests")
     parser.addoption("--only-with-blender", action="store_true", help="leave out what every Blender answers alike")
 
@@ -43,13 +48,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = [item for item in items if "without_blender" not in item.keywords]
         config.hook.pytest_deselected(items=left_out)
     part, parts = map(int, config.getoption("--part").split("/"))
+    sweeps = config.getoption("--sweeps") or ("all" if config.getoption("--heavy") else "0")
     cases: Counter[str] = Counter()
     for item in items:
         test = item.nodeid.partition("[")[0]
-        heavy = "heavy" in item.keywords or ("sweep" in item.keywords and cases[test] % ONE_OF != 0)
-        cases[test] += 1
-        if heavy and not config.getoption("--heavy"):
+        is_case = "sweep" in item.keywords and sweeps != "all"
+        another = is_case and (cases[test] - int(sweeps)) % ONE_OF != 0
+        cases[test] += is_case
+        if "heavy" in item.keywords and not config.getoption("--heavy"):
             item.add_marker(pytest.mark.skip(reason="is heavy: run with --heavy, as CI does"))
+        elif another:
+            item.add_marker(pytest.mark.skip(reason="is another case of a sweep: run with --sweeps all"))
         elif crc32(item.nodeid.encode()) % parts != part % parts:
             item.add_marker(pytest.mark.skip(reason=f"is not in part {part} of {parts}"))
 
