@@ -33,6 +33,7 @@ from ..shade.probe_group import UNKNOWN_RECEIVERS
 from ..shade.twin_order import TwinOrder
 from ..stepping import SteppedJob
 from ..store import levels
+from ..store.pictures import desk
 from . import environment, faces
 from .capture import Stage
 from .completing import Hashes, capture_of, completed
@@ -241,16 +242,17 @@ class BakeJob(SteppedJob):
         costs = [*(task.cost for task in tasks), *(self._cost_of_film(*film) for film in films)]
         parts = going.dealt(costs, [*(task.pieces for task in tasks), *(1 for _ in films)])
         found, there = [], []
-        for task, part in zip(tasks, parts, strict=False):
-            if not len(part):
-                continue
-            task.capture.kept = going.faces_of(task.probe, self._holders, task.seen.content)
-            if len(part) < task.pieces:
-                task.capture.names, task.whole = tuple(task.capture.names[k] for k in part), False
-            if self._recovered(task, going):
-                there.append(task.probe)
-            else:
-                found.append(task)
+        with desk():
+            for task, part in zip(tasks, parts, strict=False):
+                if not len(part):
+                    continue
+                task.capture.kept = going.faces_of(task.probe, self._holders, task.seen.content)
+                if len(part) < task.pieces:
+                    task.capture.names, task.whole = tuple(task.capture.names[k] for k in part), False
+                if self._recovered(task, going):
+                    there.append(task.probe)
+                else:
+                    found.append(task)
         going.forget(there)
         films = [film for film, part in zip(films, parts[len(tasks) :], strict=True) if len(part)]
         for probe, _, _ in films:

@@ -31,6 +31,8 @@ class Scope:
 
 def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
     """The output socket that feeds an input, through reroutes, or None where nothing does."""
+    if not socket.is_linked:  # as most are
+        return None
     passed = set()
     while socket.is_linked and not socket.links[0].is_muted:
         feeding = socket.links[0].from_socket
@@ -116,6 +118,8 @@ def group_output(tree: bpy.types.ShaderNodeTree) -> bpy.types.Node | None:
 
 
 def _plain(value: object) -> Value:
+    if isinstance(value, float):  # as most are
+        return value
     if value is None or isinstance(value, str):
         return None
     return tuple(float(v) for v in value) if hasattr(value, "__len__") else float(value)
