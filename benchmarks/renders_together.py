@@ -43,6 +43,7 @@ def measure(rooms: int) -> list[object]:
     specs = [probe_spec(probe) for probe in all_probes(scene)][:MANY]
     few, many = (min(seconds(specs[:count]) for _ in range(ROUNDS)) for count in (FEW, MANY))
     view = (many - few) / (len(FACES) * (MANY - FEW))
+    bpy.context.view_layer.update()  # reading a depsgraph behind the data crashes Blender
     objects = len(bpy.context.view_layer.depsgraph.object_instances)
     render = few - FEW * len(FACES) * view
     return [rooms, objects, f"{1e6 * render / objects:.0f}", f"{1e6 * view / objects:.1f}"]
