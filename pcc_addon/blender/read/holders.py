@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import PccError
-from .probes import bake_record, is_placed
+from .probes import bake_record, placed_objects
 
 
 class Holders:
@@ -50,8 +50,9 @@ def originals() -> dict[str, str]:
     was made, of several the one that is called as it was then.
     """
     alike: dict[str, list[bpy.types.Object]] = {}
+    placed = placed_objects()
     for item in bpy.data.objects:
-        if item.type == "EMPTY" and item.pcc_probe.uid and item.library is None and is_placed(item):
+        if item.type == "EMPTY" and item.pcc_probe.uid and item.library is None and item in placed:
             alike.setdefault(item.pcc_probe.uid, []).append(item)
     found = {}
     for probes in alike.values():

@@ -40,10 +40,16 @@ def is_own_probe(item: bpy.types.Object) -> bool:
 def is_placed(item: bpy.types.Object) -> bool:
     """Whether an object is in a collection; what is deleted may stay in the file without.
 
-    View layers find an object by its name at once; collections go over all of theirs, so these are asked last.
+    View layers find an object faster than collections, which are asked last; of many, ask `placed_objects`.
     """
     layers = (layer for scene in bpy.data.scenes for layer in scene.view_layers)
     return any(layer.objects.get(item.name) == item for layer in layers) or bool(item.users_collection)
+
+
+def placed_objects() -> set[bpy.types.Object]:
+    """All objects that are in a collection."""
+    collections = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
+    return {item for collection in collections for item in collection.objects}
 
 
 def named_probes(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object]:
