@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import ExitStack
+from typing import TypeVar
 
 from . import judging
+
+R = TypeVar("R")
+Steps = Generator[None, None, R]
+"""Work that may be left for a moment at each yield, and what comes of it."""
+
+
+def at_once(steps: Steps[R]) -> R:
+    """All steps, one after the other."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value
 
 
 class SteppedJob:

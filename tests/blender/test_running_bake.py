@@ -128,6 +128,44 @@ def test_a_plan_is_obeyed_in_the_next_round_unless_something_changed(
     assert shown(floor) == ([] if change is hide else ["Probe"])
 
 
+def begin_showing(monkeypatch: pytest.MonkeyPatch, tape: Tape) -> bpy.types.Material:  # noqa: F811
+    """A bake that has begun to be shown, by one step in each round; returns the floor's material."""
+    bpy.ops.pcc.remove()
+    bpy.ops.ed.undo_push(message="opened")
+    play(monkeypatch, tape)
+    monkeypatch.setattr(running_bake, "AT_ONCE", 1e-9)
+    running_bake.begin(begin(the_probe()), showing())
+    while running_bake._steps is None:
+        assert running_bake._tick() is not None
+    return bpy.data.materials["Floor"]
+
+
+def test_materials_show_it_a_few_in_each_round_and_are_one_undo_step(blend, monkeypatch, tape) -> None:  # noqa: F811
+    floor = begin_showing(monkeypatch, tape)
+    assert shown(floor) == []
+    assert ticks() > 2
+    assert shown(floor) == ["Probe"]
+    bpy.ops.ed.undo()
+    assert shown() == [] and states()["Probe"] == "baked"
+    bpy.ops.ed.redo()
+    assert shown() == ["Probe"]
+
+
+def test_an_undo_while_it_is_being_shown_calls_that_off(blend, monkeypatch, tape) -> None:  # noqa: F811
+    begin_showing(monkeypatch, tape)
+    bpy.ops.ed.undo()
+    ticks()
+    assert shown() == [] and states()["Probe"] == "stale"
+    bpy.ops.ed.redo()
+    assert shown() == [] and states()["Probe"] == "baked"
+
+
+def test_what_is_removed_while_it_is_being_shown_is_not_missed(blend, monkeypatch, tape) -> None:  # noqa: F811
+    bpy.data.materials.remove(begin_showing(monkeypatch, tape))
+    ticks()
+    assert running_bake.outcome().errors == () and states()["Probe"] != "unbaked"
+
+
 def test_a_bake_that_is_undone_before_it_was_shown_may_be_redone(blend, monkeypatch, tape) -> None:  # noqa: F811
     bpy.ops.pcc.remove()
     bpy.ops.ed.undo_push(message="opened")

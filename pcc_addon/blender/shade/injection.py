@@ -16,6 +16,7 @@ from ...core.readings import SceneReading
 from .. import marks
 from ..planning import PlannedScene, read_and_plan
 from ..read.probes import all_probes, bake_record
+from ..stepping import Steps, at_once
 from ..store.levels import bake_folder, ensure_levels
 from . import by_hand, copies, groups, live
 from .probe_group import refresh_group, shown_probe
@@ -55,13 +56,28 @@ def inject(
     Raises:
         PccError: no probe of the scene can be shown.
     """
+    return at_once(injecting(scene, view_layer, objects, planned))
+
+
+def injecting(
+    scene: bpy.types.Scene,
+    view_layer: bpy.types.ViewLayer,
+    objects: Iterable[bpy.types.Object] | None = None,
+    planned: PlannedScene | None = None,
+) -> Steps[InjectionReport]:
+    """`inject`, a probe or a material between two yields.
+
+    Raises:
+        PccError: as `inject`.
+        ReferenceError: what it was about to change was removed meanwhile.
+    """
     planned = planned or read_and_plan(scene, view_layer)
     reading, plan = planned.reading, planned.plan
     notes = list(plan.notes)
-    shown = _build_probes(scene, reading, plan, notes, whole=objects is None)
+    materials = {material.name_full: material for material in bpy.data.materials}
+    shown = yield from _build_probes(scene, reading, plan, notes, whole=objects is None)
     if not shown:
         raise PccError(notes[0] if notes else f"scene '{scene.name}' has no probe; add one and bake it")
-    materials = {material.name_full: material for material in bpy.data.materials}
     chosen = None if objects is None else {material.name_full for material in materials_of(objects)}
     pairs, known = [], copies.all_copies()
     for material_plan in plan.materials:
@@ -69,7 +85,7 @@ def inject(
             continue
         material = materials[material_plan.material]
         if not marks.is_foreign(material):
-            _show(material, material_plan, shown, reading, known)
+            yield from _show(material, material_plan, shown, reading, known)
         pairs += [(material.name, probe) for probe in material_plan.probes if probe in shown]
         notes += material_plan.notes
     _remove_from_others(plan, objects if objects is not None else scene.objects)
@@ -82,7 +98,7 @@ def _show(
     shown: Mapping[str, ShownProbe],
     scene: SceneReading,
     known: copies.Copies,
-) -> None:
+) -> Steps[None]:
     """Let a material, and the copies of it that some objects are to wear, show what is planned."""
     parts = [part for part in plan.division.parts if not part.probes or any(name in shown for name in part.probes)]
     worn = copies.divide(material, parts, known.get(material, ()))
@@ -93,6 +109,7 @@ def _show(
             live.show(one, order)
         else:
             live.remove(one)
+        yield
     if plan.choices and not plan.probes:
         marks.note(material, live.WITHHELD, True)
 
@@ -142,12 +159,12 @@ def show_again(
 
 def _show_some(scene: bpy.types.Scene, planned: PlannedScene, some: Mapping[str, bpy.types.Material]) -> None:
     reading, plan = planned.reading, planned.plan
-    shown = _build_probes(scene, reading, plan, [], whole=False)
+    shown = at_once(_build_probes(scene, reading, plan, [], whole=False))
     for material_plan in plan.materials:
         material = some.get(material_plan.material)
         wanted = material_plan.probes or material_plan.choices
         if material is not None and wanted and not marks.is_foreign(material):
-            _show(material, material_plan, shown, reading, copies.all_copies())
+            at_once(_show(material, material_plan, shown, reading, copies.all_copies()))
 
 
 def remove(objects: Iterable[bpy.types.Object] | None = None) -> list[str]:
@@ -184,7 +201,7 @@ def order_of(
 
 def _build_probes(
     scene: bpy.types.Scene, reading: SceneReading, plan: Plan, notes: list[str], *, whole: bool
-) -> dict[str, ShownProbe]:
+) -> Steps[dict[str, ShownProbe]]:
     """The groups of all baked probes, with the levels that the plan wants; what fails becomes a note.
 
     Unless the whole scene is injected, other materials may choose between a probe and others, which none is to any
@@ -212,6 +229,7 @@ def _build_probes(
         if lacking:
             notes.append(told_missing(probe.name, lacking))
         shown[probe.name] = shown_probe(probe.pcc_probe.group)
+        yield
     return shown
 
 

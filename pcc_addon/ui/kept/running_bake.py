@@ -6,16 +6,18 @@ Where materials are to show it, what they need is made ready meanwhile, and no p
 from __future__ import annotations
 
 import atexit
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import bpy
 
-from ...blender import handlers
+from ...blender import handlers, unrecorded
 from ...blender.bake.background import BackgroundBake
 from ...blender.bake.job import BakedProbe
 from ...blender.listening import listen, stop_listening
+from ...blender.shade.preparing import AT_ONCE
 from ...blender.writing import why_not_now
 from ...core.accuracy import labels
 from ...core.errors import PccError
@@ -25,6 +27,7 @@ from .redrawing import redraw_panels
 if TYPE_CHECKING:
     from ...blender.planning import PlannedScene
     from ...blender.shade.preparing import Preparation
+    from ...blender.stepping import Steps
     from .showing import Showing
 
 _BETWEEN = 0.25  # seconds
@@ -54,6 +57,7 @@ _preparation: Preparation | None = None
 _prepared = False
 _unseen: list[str] = []  # probes that have their bakes and are to be shown next
 _planned: PlannedScene | None = None  # what materials are to show of these, unless something changes before they do
+_steps: Steps[str] | None = None  # what lets them, as soon as it has begun
 _shown, _unshown = "", ""  # in words: what materials show of this bake, or why they do not
 _outcome: Outcome | None = None
 _waits_for = ""
@@ -77,9 +81,9 @@ def begin(bake: BackgroundBake, showing: Showing | None = None) -> None:
         bake: it.
         showing: shows each probe as soon as it has its new bake, and in the end those that needed none; None: nobody.
     """
-    global _running, _more, _showing, _preparation, _prepared, _planned, _shown, _unshown, _outcome
+    global _running, _more, _showing, _preparation, _prepared, _planned, _steps, _shown, _unshown, _outcome
     _running, _more, _showing, _shown, _unshown, _outcome = bake, True, showing, "", "", None
-    _preparation, _prepared, _planned = None, showing is None, None
+    _preparation, _prepared, _planned, _steps = None, showing is None, None, None
     _unseen.clear()
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=0.0, persistent=True)
@@ -142,12 +146,15 @@ def _go_on() -> None:
     """Do one thing in this window, so that it does not stand still for two."""
     if not _prepared:
         _prepare()
+    elif _steps is not None:
+        _show_more()
     elif _running.waiting:
         _adopt_next()
     elif _planned is None:
         _plan()
     else:
-        _show_adopted()
+        _begin_to_show()
+        _show_more()
 
 
 def _prepare() -> None:
@@ -183,48 +190,75 @@ def _adopt_next() -> None:
     _redraw()
 
 
-def _show_adopted() -> None:
+def _begin_to_show() -> None:
     """Let materials show the probes that have just got their bakes, as an undo step of its own."""
-    global _planned
-    names, planned = named(_unseen), _planned
-    _unseen.clear()
-    _planned = None
-    with handlers.paused():
-        _show(f"Show {names}", planned)
-    _redraw()
+    global _planned, _steps
+    _steps, _planned = _showing.steps(_planned), None
 
 
-def _show(step: str, planned: PlannedScene | None = None) -> None:
-    """Let materials show what is baked, as an undo step of that name."""
-    global _shown, _unshown
-    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+def _show_more() -> None:
+    """Let a few more materials show them."""
+    global _steps
+    end = time.monotonic() + AT_ONCE
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window), handlers.paused(), unrecorded.following():
         try:
-            _shown, _unshown = _showing.in_materials(planned), ""
-        except PccError as error:
-            _shown, _unshown = "", str(error)
-        if _shown:
+            while (more := _goes_on()) and time.monotonic() < end:
+                pass
+        except ReferenceError:  # somebody removed what was next: all is planned again
+            _steps = None
+            return
+        window.view_layer.update()  # what is changed here need not be followed
+    if not more:
+        names = named(_unseen)
+        _unseen.clear()
+        _record(f"Show {names}")
+        _redraw()
+
+
+def _goes_on() -> bool:
+    """Do the next piece of what `_steps` does; False where that was the last one."""
+    global _steps, _shown, _unshown
+    try:
+        next(_steps)
+    except StopIteration as end:
+        _steps, _shown, _unshown = None, end.value, ""
+    except PccError as error:
+        _steps, _shown, _unshown = None, "", str(error)
+    return _steps is not None
+
+
+def _record(step: str) -> None:
+    """Take an undo step of that name, where anything is shown."""
+    if _shown:
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
             bpy.ops.ed.undo_push(message=step)
 
 
 def _show_all() -> None:
     """The bake has ended: what it left as it was is shown too, and the viewport shows all of it."""
-    global _unshown
+    global _shown, _unshown
     if _showing is None:
         return
     if not any(result.error is None for result in _running.results):
         if busy := why_not_now(bpy.context.window_manager):
             _unshown = f"materials are left as they are until the end of {busy}: press Inject into Materials then"
             return
-        _show("Show Probes")
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+            try:
+                _shown, _unshown = _showing.in_materials(), ""
+            except PccError as error:
+                _shown, _unshown = "", str(error)
+        _record("Show Probes")
     if _shown:
         _showing.in_viewport()
 
 
 def _end(done: str, errors: Sequence[str] = ()) -> None:
     """Tell what became of the bake, and let it go."""
-    global _running, _showing, _preparation, _outcome, _waits_for
+    global _running, _showing, _preparation, _steps, _outcome, _waits_for
     results, notes = _running.results, _running.notes
-    _running, _showing, _preparation, _waits_for = None, None, None, ""
+    _running, _showing, _preparation, _steps, _waits_for = None, None, None, None, ""
     _unseen.clear()
     _outcome = _outcome_of(results, notes, done, errors)
     _redraw()
@@ -263,7 +297,8 @@ def _stop() -> None:
 @bpy.app.handlers.persistent
 def before_undo(*_: object) -> None:
     """What was made ready may be gone."""
-    global _prepared
+    global _prepared, _steps
+    _steps = None
     if _preparation is not None:
         _preparation.start_over()
         _prepared = False

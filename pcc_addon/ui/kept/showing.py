@@ -11,6 +11,7 @@ from ...blender.planning import PlannedScene, read_and_plan
 from ...blender.shade import injection
 from ...blender.shade.injection import InjectionReport
 from ...blender.shade.preparing import Preparation
+from ...blender.stepping import Steps, at_once
 from ...core.accuracy.labels import counted
 from . import idle, last_plan, states
 
@@ -29,7 +30,17 @@ def inject(
     Raises:
         PccError: no probe of the scene can be shown.
     """
-    report = injection.inject(scene, view_layer, objects, planned)
+    return at_once(injecting(scene, view_layer, objects, planned))
+
+
+def injecting(
+    scene: bpy.types.Scene,
+    view_layer: bpy.types.ViewLayer,
+    objects: Sequence[bpy.types.Object] | None = None,
+    planned: PlannedScene | None = None,
+) -> Steps[InjectionReport]:
+    """`inject`, a little between two yields; errors are those of `injection.injecting`."""
+    report = yield from injection.injecting(scene, view_layer, objects, planned)
     if objects is None:
         states.injected(scene)
     last_plan.keep(scene, view_layer, report.plan)
@@ -95,21 +106,30 @@ class Showing:
         last_plan.keep(scene, self._view_layer(scene), planned.plan)
         return planned
 
-    def in_materials(self, planned: PlannedScene | None = None) -> str:
+    def in_materials(self) -> str:
         """Let materials show all that is baked; returns that in words, which are empty where the scene is gone.
+
+        Raises:
+            PccError: no probe of the scene can be shown.
+        """
+        return at_once(self.steps())
+
+    def steps(self, planned: PlannedScene | None = None) -> Steps[str]:
+        """`in_materials`, a little between two yields; an undo must not come between.
 
         Args:
             planned: from `plan`, and obeyed where nothing has changed since; None: the scene is planned now.
 
         Raises:
             PccError: no probe of the scene can be shown.
+            ReferenceError: what was about to change was removed meanwhile.
         """
         scene = self._scene()
         if scene is None:
             return ""
         if planned is not None and not _holds(planned, scene):
             planned = None
-        report = inject(scene, self._view_layer(scene), planned=planned)
+        report = yield from injecting(scene, self._view_layer(scene), planned=planned)
         states.call_late(scene)  # of what has just been baked, also where handlers are paused meanwhile
         idle.expect()
         return in_words(report)
