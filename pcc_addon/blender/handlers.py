@@ -15,7 +15,7 @@ from ..core.workplace import real
 from . import marks, properties, unrecorded
 from .listening import listen, stop_listening
 from .probes import keep_pictures_found
-from .read.probes import all_probes, bake_record, is_placed, probe_spec
+from .read.probes import all_probes, bake_record, probe_spec
 from .shade import by_hand, copies, groups, injection, live, orphaned, probe_group
 from .store import leftovers
 from .store.levels import bake_folder, find_again
@@ -217,7 +217,7 @@ def _let_go_of_deleted() -> None:
     """Take deleted probes off the materials that chose them, which would keep them and their pictures in the file."""
     for material in bpy.data.materials:
         chosen = material.pcc.probe
-        if chosen is not None and not (chosen.library or material.library) and not is_placed(chosen):
+        if chosen is not None and not (chosen.library or material.library or chosen.users_collection):
             with paused():
                 material.pcc.probe = None
             if not chosen.users:

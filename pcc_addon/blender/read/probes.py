@@ -37,17 +37,11 @@ def is_own_probe(item: bpy.types.Object) -> bool:
     return item.type == "EMPTY" and item.pcc_probe.is_probe and not item.library
 
 
-def is_placed(item: bpy.types.Object) -> bool:
-    """Whether an object is in a collection; what is deleted may stay in the file without.
-
-    View layers find an object faster than collections, which are asked last; of many, ask `placed_objects`.
-    """
-    layers = (layer for scene in bpy.data.scenes for layer in scene.view_layers)
-    return any(layer.objects.get(item.name) == item for layer in layers) or bool(item.users_collection)
-
-
 def placed_objects() -> set[bpy.types.Object]:
-    """All objects that are in a collection."""
+    """All objects that are in a collection; deleted ones may stay in the file without.
+
+    `Object.users_collection` goes over all objects, so it is for one. (View layers are faster, and behind after edits.)
+    """
     collections = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
     return {item for collection in collections for item in collection.objects}
 

@@ -17,7 +17,7 @@ from ...core.lookup_plan import Receivers, lookup_effects
 from ...core.probe import STEEPEST_FALLOFF, ProbeSpec
 from ...core.sidecar import Sidecar
 from .. import marks, unrecorded
-from ..read.probes import bake_record, is_placed, probe_spec
+from ..read.probes import bake_record, probe_spec
 from ..read.shown import driven_object
 from ..store.levels import picture_rows
 from . import built, groups, playback
@@ -124,7 +124,7 @@ def probe_of(tree: bpy.types.ShaderNodeTree) -> bpy.types.Object | None:
     """The probe that a group was built for, or None where it was deleted."""
     followed = driven_object(tree)
     if followed is not None:
-        return followed if followed.library or is_placed(followed) else None
+        return followed if followed.library or followed.users_collection else None
     if any(curve.driver.variables for curve in (tree.animation_data.drivers if tree.animation_data else ())):
         return None
     return next((o for o in bpy.data.objects if o.pcc_probe.is_probe and o.pcc_probe.group == tree), None)
