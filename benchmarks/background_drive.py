@@ -34,7 +34,7 @@ class Round:
         wall: how long it took, seconds.
         cpu: processor time of the interface's thread in it.
         ours: the same, of the add-on's own code alone.
-        adopts: whether a probe was given its new bake.
+        adopts: whether a probe was given its new bake, or it was planned or shown.
     """
 
     begin: float = 0.0
@@ -98,7 +98,7 @@ def measure_ours() -> None:
         for index, handler in enumerate(handlers):
             if handler.__module__.startswith(PACKAGE):
                 handlers[index] = bpy.app.handlers.persistent(measured(handler))
-    for name in ("_adopt_next", "_show_adopted"):
+    for name in ("_adopt_next", "_plan", "_show_more"):
         setattr(RUNNING, name, adopting(getattr(RUNNING, name)))
     RUNNING._tick = measured(RUNNING._tick)
 
